@@ -1,0 +1,87 @@
+#pragma once
+
+#include "ajar/interaction/wrench.hpp"
+
+namespace ajar {
+
+struct ForceLawConfig {
+  double stability_number = 0.3;        ///< α K (T_c + dead time), ≤ 0.5 keeps away from the limit π/2 [-]
+  double total_stiffness = 7e3;         ///< K of arm, servo and grasp in series [N/m]
+  double gain_max = 3e-3;               ///< Upper bound of α_f [m/(N s)]
+  double integral_ratio = 0.33;         ///< β_f / α_f [1/s]
+  double correction_max = 0.06;         ///< Largest |v_f| [m/s]
+  double deadband = 0.5;                ///< Subtracted from the normal force [N]
+  double torque_gain = 0.1;             ///< α_τ [rad/(N m s)]
+  double turn_max = 0.4;                ///< Largest |ω_τ| [rad/s]
+  double force_limit = 45.0;            ///< Force that the pull may reach [N]
+  double speed_start = 0.02;            ///< Until the estimate is sure [m/s]
+  double speed = 0.12;                  ///< Cruise along the mechanism [m/s]
+  double acceleration = 0.10;           ///< Of the tangential speed [m/s²]
+  double deceleration = 0.20;           ///< [m/s²]
+  double give_gain = 2e-3;              ///< a_t of the tangential give [m/(N s)]
+  double give_margin = 20.0;            ///< Above the running force the hand gives way [N]
+  double give_reserve = 10.0;           ///< Below the force limit the hand gives way [N]
+  double give_speed = 0.03;             ///< Largest backward speed of the give [m/s]
+  bool operator==(const ForceLawConfig&) const = default;
+  /// @throws ConfigError
+  void validate() const;
+};
+
+/// What the force law asks of the hand in one tick.
+struct ForceCorrection {
+  Vector3d velocity = Vector3d::Zero();  ///< P v_f: to be subtracted from the tangential velocity [m/s]
+  Vector3d turn = Vector3d::Zero();      ///< ω_τ: to be subtracted from the feed-forward turning [rad/s]
+  double normal_force = 0.0;             ///< |P f| [N]
+  double pull_force = 0.0;               ///< x·f [N]
+};
+
+/// Normal force and torque to zero (5.0)-(5.3 corrected). (docs/equations.md#force-law)
+class ForceLaw {
+ public:
+  /// @param period      Control period [s]
+  /// @param dead_time   Transport delay of the loop [s]
+  /// @throws ConfigError
+  ForceLaw(const ForceLawConfig& config, double period, double dead_time);
+  void reset() noexcept;
+  /// @param direction  x̂, unit  @param free_axis  Axis about which the grip turns freely, zero if none
+  [[nodiscard]] ForceCorrection step(const HandWrench& wrench, const Vector3d& direction, const Vector3d& free_axis) noexcept;
+  /// α_f that results from stiffness and rate [m/(N s)].
+  [[nodiscard]] double gain() const noexcept { return gain_; }
+
+ private:
+  ForceLawConfig config_;
+  double period_;
+  double gain_;
+  Vector3d integral_ = Vector3d::Zero();
+};
+
+/// What the speed law is told in one tick.
+struct SpeedInput {
+  double confidence = 0.0;     ///< 0 … 1 from the estimate: start speed … cruise [-]
+  double base_lag = 0.0;       ///< Distance of the base from its reference [m]
+  double pull_force = 0.0;     ///< x·f [N]
+  double normal_force = 0.0;   ///< |P f| [N]
+  double measured_speed = 0.0; ///< x·V [m/s]
+  double speed_cap = 1.0;      ///< From outside, e.g. an end is possible [m/s]
+};
+
+/// Tangential speed: slow start, confidence, waiting for the base, lowered when force rises, tangential give.
+/// (docs/equations.md#speed-law)
+class SpeedLaw {
+ public:
+  SpeedLaw(const ForceLawConfig& config, double period);
+  void reset() noexcept;
+  /// @return wanted speed along x̂, may be slightly negative while giving way [m/s]
+  [[nodiscard]] double step(const SpeedInput& input) noexcept;
+  /// Force that the motion needed so far (1 s low-pass while moving); NaN-free, 0 until the hand has moved [N].
+  [[nodiscard]] double running_force() const noexcept { return running_force_; }
+
+ private:
+  ForceLawConfig config_;
+  double period_;
+  double speed_ = 0.0;
+  double running_force_ = 0.0;
+  bool moved_ = false;
+};
+
+}  // namespace ajar
