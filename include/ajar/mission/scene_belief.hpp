@@ -1,0 +1,37 @@
+#pragma once
+
+#include "ajar/estimation/mechanism_estimate.hpp"
+#include "ajar/model/clearance.hpp"
+#include "ajar/planning/grasp_planner.hpp"
+
+namespace ajar {
+
+/// Indices of the believed obstacles in a ClearanceChecker.
+inline constexpr int kWallObstacle = 0;
+inline constexpr int kLeafObstacle = 1;
+
+/// Where wall and leaf are, as far as sight and touch tell. (docs/equations.md#scene-belief)
+class SceneBelief {
+ public:
+  /// Starts from what the camera sees; the leaf is a small box behind the handle until its kind is known.
+  void reset(const HandleBelief& belief);
+
+  /// Refines the wall's normal from the fitted mechanism and moves the leaf with the hand. No allocation, no exception.
+  /// @param hand     Hand position now, odometry frame [m]
+  /// @param turned   Rotation of the leaf since the grasp, rotation vector [rad]
+  void update(const MechanismEstimate& estimate, const Vector3d& hand, const Vector3d& turned) noexcept;
+
+  /// Writes wall and leaf into the checker. No allocation.
+  void place(ClearanceChecker& checker) const noexcept;
+
+  /// Outward normal of the wall at the closed handle, unit.
+  [[nodiscard]] const Vector3d& normal() const noexcept { return normal_; }
+
+ private:
+  HandleBelief belief_;
+  Vector3d normal_ = -Vector3d::UnitY();
+  Box wall_;
+  Box leaf_;
+};
+
+}  // namespace ajar

@@ -1,0 +1,47 @@
+#include "ajar/mission/end_detector.hpp"
+
+#include <algorithm>
+
+namespace ajar {
+namespace {
+
+constexpr double kSpeedFilter = 0.1;    // low-pass of the measured speed [s]
+constexpr double kHeldFactor = 0.1;     // the controller lets nearly nothing of the wanted motion through
+constexpr double kLargestDoubt = 0.1;   // an angle less certain than this does not delay the goal further [rad]
+
+}  // namespace
+
+EndDetector::EndDetector(const EndConfig& config, const GoalConfig& goal, double force_limit)
+    : config_(config), goal_(goal), force_limit_(force_limit) {}
+
+void EndDetector::reset() noexcept { speed_ = still_ = held_ = 0.0; }
+
+EndDetector::Verdict EndDetector::step(const EndInput& in, const MechanismEstimate& estimate) noexcept {
+  speed_ += std::min(1.0, in.dt / kSpeedFilter) * (in.speed - speed_);
+  still_ = speed_ < config_.still_speed ? still_ + in.dt : 0.0;
+  held_ = in.speed_factor < kHeldFactor ? held_ + in.dt : 0.0;
+  const double arc = estimate.arc;
+
+  if (!goal_.to_the_stop) {
+    // A grip that pivots knows the angle only from curvature times arc: be sure to two sigma.
+    const double doubt = std::min(kLargestDoubt, 2.0 * estimate.angle_sigma);
+    if (estimate.type == MechanismType::Hinge && estimate.angle > goal_.opening_angle + config_.goal_margin + doubt) {
+      return Verdict::Goal;
+    }
+    if (estimate.type == MechanismType::Slide && arc > goal_.opening_length) return Verdict::Goal;
+  }
+  const bool at_limit = in.pull_force > force_limit_ - config_.reserve;
+  const bool too_heavy = in.running_force + config_.stop_force > force_limit_ - config_.reserve;
+  if (arc > config_.stop_arc && still_ > config_.stop_time) {
+    if (!too_heavy && in.pull_force > in.running_force + config_.stop_force) return Verdict::Stop;
+    if (too_heavy && at_limit && still_ > config_.blocked_time) return Verdict::TooHeavy;
+  }
+  if (arc < config_.blocked_arc && still_ > config_.blocked_time) return Verdict::Blocked;
+  if (still_ > config_.stalled_time) {
+    if (held_ > 0.5 * config_.stalled_time && in.binding == BindingLimit::Clearance) return Verdict::ClearanceStop;
+    return at_limit ? Verdict::TooHeavy : Verdict::Stalled;
+  }
+  return Verdict::Going;
+}
+
+}  // namespace ajar
