@@ -126,7 +126,9 @@ double grip_thickness(const Handle& handle, double stroke) noexcept {
 }
 
 void Gripper::step(bool closed, double between, double dt) noexcept {
-  const double goal = closed ? std::clamp(between, 0.0, stroke_) : stroke_;
+  // Fingers that are already closer than the thing is thick have missed it.
+  const double stop = opening_ >= between - 1e-9 ? between : 0.0;
+  const double goal = closed ? std::clamp(stop, 0.0, stroke_) : stroke_;
   const double reach = kFingerSpeed * dt;
   opening_ += std::clamp(goal - opening_, -reach, reach);
 }

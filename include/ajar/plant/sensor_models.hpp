@@ -11,8 +11,8 @@ namespace ajar {
 
 /// Time between two samples of the wrist sensor [s]; the 500 Hz of the UR5e's sensor.
 inline constexpr double kWristSamplePeriod = 0.002;
-/// Standard gravity [m/s²].
-inline constexpr double kGravity = 9.80665;
+/// Gravity [m/s²], as MuJoCo and the door tables have it.
+inline constexpr double kGravity = 9.81;
 
 /// What goes wrong in one run, drawn once from its seed.
 struct Disturbances {
@@ -138,7 +138,9 @@ class Gripper {
   void step(bool closed, double between, double dt) noexcept;
   [[nodiscard]] double opening() const noexcept { return opening_; }  ///< [m]
   /// True when closed onto something of this thickness.
-  [[nodiscard]] bool holds(double between) const noexcept { return between > 0.0 && opening_ <= between + 1e-9; }
+  [[nodiscard]] bool holds(double between) const noexcept {
+    return between > 0.0 && opening_ <= between + 1e-9 && opening_ >= between - 1e-9;
+  }
 
  private:
   double stroke_;
