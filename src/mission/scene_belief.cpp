@@ -98,9 +98,9 @@ void SceneBelief::update(const MechanismEstimate& estimate, const Vector3d& hand
   }
 }
 
-void SceneBelief::place(ClearanceChecker& checker) const noexcept {
-  checker.set_obstacle(kWallObstacle, wall_, true);
-  checker.set_obstacle(kLeafObstacle, leaf_, true);
+void SceneBelief::place(ClearanceChecker& checker, bool hand_near) const noexcept {
+  checker.set_obstacle(kWallObstacle, wall_, hand_near);
+  checker.set_obstacle(kLeafObstacle, leaf_, hand_near);
 }
 
 }  // namespace ajar

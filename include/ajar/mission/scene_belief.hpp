@@ -22,7 +22,8 @@ class SceneBelief {
   void update(const MechanismEstimate& estimate, const Vector3d& hand, const Vector3d& turned) noexcept;
 
   /// Writes wall and leaf into the checker. No allocation.
-  void place(ClearanceChecker& checker) const noexcept;
+  /// @param hand_near  The hand may touch them: it holds the handle, or is about to
+  void place(ClearanceChecker& checker, bool hand_near = true) const noexcept;
 
   /// Outward normal of the wall at the closed handle, unit.
   [[nodiscard]] const Vector3d& normal() const noexcept { return normal_; }

@@ -1,0 +1,51 @@
+#pragma once
+
+#include "ajar/mission/end_detector.hpp"
+#include "ajar/mission/mission.hpp"
+#include "ajar/mission/scene_belief.hpp"
+
+namespace ajar {
+
+/// The closed loop while the hand holds the handle: wrench → estimate → hand twist and base motion → whole body.
+class Opener {
+ public:
+  /// @throws ConfigError
+  Opener(const RobotModel& model, const MissionConfig& config);
+
+  /// Starts at the grasp. @param direction  Believed direction of opening, unit, odometry frame
+  void start(const RobotState& state, const Kinematics& kinematics, const HandleBelief& belief, const Vector3d& direction) noexcept;
+
+  /// Goes on after probing with the direction that it found; wall and base offset stay.
+  void redirect(const Kinematics& kinematics, const Vector3d& direction) noexcept;
+
+  /// One tick of opening: fills estimate, reference, base and solution of the record.
+  /// No allocation, no exception, bounded time.
+  [[nodiscard]] EndDetector::Verdict step(const RobotState& state, const Kinematics& kinematics, const HandWrench& wrench,
+                                          WholeBodyController& controller, ClearanceChecker& clearance,
+                                          MissionRecord& record) noexcept;
+
+  /// Force that the motion needed so far [N].
+  [[nodiscard]] double running_force() const noexcept { return speed_law_.running_force(); }
+  [[nodiscard]] const SceneBelief& scene() const noexcept { return scene_; }
+  [[nodiscard]] SceneBelief& scene() noexcept { return scene_; }
+
+ private:
+  [[nodiscard]] double confidence(const MechanismEstimate& estimate) const noexcept;
+  [[nodiscard]] double speed_cap(const MechanismEstimate& estimate) const noexcept;
+
+  const RobotModel& model_;
+  MissionConfig config_;
+  MechanismEstimator estimator_;
+  ForceLaw force_law_;
+  SpeedLaw speed_law_;
+  BaseLaw base_law_;
+  EndDetector ends_;
+  SceneBelief scene_;
+  ClearanceResult clearances_;
+  Matrix3d R_grasp_ = Matrix3d::Identity();
+  Vector3d bar_in_hand_ = Vector3d::Zero();
+  Vector3d turned_ = Vector3d::Zero();
+  double base_lag_ = 0.0;
+};
+
+}  // namespace ajar

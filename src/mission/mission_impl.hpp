@@ -1,0 +1,112 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "ajar/mission/joint_move.hpp"
+#include "ajar/mission/opener.hpp"
+#include "ajar/mission/phase_table.hpp"
+#include "ajar/mission/prober.hpp"
+
+namespace ajar {
+
+/// Mean of several sights of the handle, in the odometry frame.
+class SightAverage {
+ public:
+  void reset() noexcept;
+  void add(const HandleSight& sight, const BasePose& base) noexcept;
+  [[nodiscard]] int count() const noexcept { return count_; }
+  [[nodiscard]] HandleBelief belief() const noexcept;
+
+ private:
+  Vector3d position_ = Vector3d::Zero();
+  Vector3d normal_ = Vector3d::Zero();
+  Vector3d bar_ = Vector3d::Zero();
+  double standoff_ = 0.06;
+  double thickness_ = 0.0;
+  int count_ = 0;
+};
+
+/// The inside of a mission: one member function per phase, the tools that they use, and what they remember.
+struct Mission::Impl {
+  Impl(const RobotModel& robot, const MissionConfig& settings, std::optional<Vector3d> guess, std::uint64_t run_seed);
+
+  Command step(const RobotState& state) noexcept;
+
+  // Watch over every tick. Each returns true when it stopped the mission.
+  bool unhealthy(const RobotState& state) noexcept;
+  bool too_much(const RobotState& state) noexcept;
+  bool base_blocked(const RobotState& state) noexcept;
+
+  // The phases.
+  void choose(const RobotState& state);
+  void approach(const RobotState& state);
+  void reach(const RobotState& state);
+  void start_reach(const RobotState& state);
+  void zero(const RobotState& state) noexcept;
+  void grasp(const RobotState& state) noexcept;
+  void close_fingers(const RobotState& state) noexcept;
+  void probe(const RobotState& state) noexcept;
+  void open(const RobotState& state) noexcept;
+  void release(const RobotState& state) noexcept;
+  void retreat(const RobotState& state) noexcept;
+
+  void process(Event event, EndReason why = EndReason::Running) noexcept;
+  void enter(Phase next) noexcept;
+  // Moves the hand towards a pose with the base standing; returns the position error [m].
+  double move_hand(const RobotState& state, const Pose& target, double speed) noexcept;
+  void solve_hand_twist(const RobotState& state, const Vector6d& twist) noexcept;
+  void command_zero() noexcept;
+  void command_solution() noexcept;
+  void command_joints(const JointVector& rates) noexcept;
+  void command_base(const BaseTwist& twist) noexcept;
+  void next_candidate(const RobotState& state);
+
+  RobotModel model;
+  MissionConfig config;
+  std::optional<Vector3d> guess;
+  std::uint64_t seed;
+
+  Navigator navigator;
+  GraspPlanner planner;
+  WholeBodyController controller;
+  ClearanceChecker clearance;
+  WrenchEstimator wrench;
+  Opener opener;
+  Prober prober;
+  JointMove joint_move;
+
+  Phase phase = Phase::Choose;
+  Phase ended_in = Phase::Choose;
+  EndReason why = EndReason::Running;
+  std::string detail;
+  bool interrupted = false;
+  double time_in_phase = 0.0;
+  bool planned = false;
+
+  SightAverage sights;
+  HandleBelief handle;
+  std::vector<GraspCandidate> candidates;
+  std::size_t candidate = 0;
+  GraspCandidate chosen;
+  Vector3d direction = Vector3d::UnitX();
+
+  bool closing = false;
+  double still_fingers = 0.0;
+  double last_opening = 0.0;
+  int misses = 0;
+  int probes = 0;
+  double blocked_time = 0.0;
+  double unheard_time = 0.0;
+  bool fingers_open = false;
+  Pose clear_pose = Pose::Identity();
+  BasePose retreat_start;
+  double retreat_sense = 0.0;
+  double last_gap = 0.0;
+
+  ClearanceResult clearances;
+  Command command;
+  MissionRecord record;
+};
+
+}  // namespace ajar

@@ -1,0 +1,135 @@
+#include "ajar/mission/opener.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "ajar/core/so3.hpp"
+
+namespace ajar {
+namespace {
+
+// Base and speed come in while the direction becomes sure and the arm has covered the first centimetres itself. (#confidence)
+constexpr double kUnsure = 0.25;       // direction sigma without any confidence [rad]
+constexpr double kSure = 0.05;         // direction sigma with full confidence [rad]
+constexpr double kArcBegin = 0.015;    // [m]
+constexpr double kArcFull = 0.06;      // [m]
+// Where an unknown end stop may come, the hand is slow: the blow grows with speed. (#speed-law)
+constexpr double kStopPossibleAngle = 1.29;  // first end stops of hinged doors: 80 degrees, less 6 to slow down [rad]
+constexpr double kStopPossibleArc = 0.24;    // shortest drawers: 0.3 m, less the way to slow down [m]
+constexpr double kSlowSpeed = 0.08;          // [m/s]
+// A flap's hand must not follow the leaf all the way round: it would end up under the bar.
+constexpr double kFlapTurn = 0.6;      // [rad]
+constexpr double kPivotCentring = 0.3; // weak turn of a hand about a free bar towards where it should be [1/s]
+
+}  // namespace
+
+Opener::Opener(const RobotModel& model, const MissionConfig& config)
+    : model_(model),
+      config_(config),
+      estimator_(config.estimator),
+      force_law_(config.force, config.period, config.dead_time),
+      speed_law_(config.force, config.period),
+      base_law_(config.base_law),
+      ends_(EndConfig{}, config.goal, config.limits.force) {}
+
+void Opener::start(const RobotState& state, const Kinematics& kinematics, const HandleBelief& belief,
+                   const Vector3d& direction) noexcept {
+  R_grasp_ = kinematics.X_WE.linear();
+  bar_in_hand_ = R_grasp_.transpose() * belief.bar;
+  turned_.setZero();
+  base_law_.reset(state.base, kinematics.X_WE.translation());
+  HandleBelief held = belief;
+  held.position = kinematics.X_WE.translation();
+  scene_.reset(held);
+  redirect(kinematics, direction);
+}
+
+void Opener::redirect(const Kinematics& kinematics, const Vector3d& direction) noexcept {
+  estimator_.reset(kinematics.X_WE, direction);
+  force_law_.reset();
+  speed_law_.reset();
+  ends_.reset();
+  base_lag_ = 0.0;
+}
+
+double Opener::confidence(const MechanismEstimate& estimate) const noexcept {
+  if (!estimate.fitted) return 0.0;
+  const double sure = std::clamp((kUnsure - estimate.direction_sigma) / (kUnsure - kSure), 0.0, 1.0);
+  return sure * std::clamp((estimate.arc - kArcBegin) / (kArcFull - kArcBegin), 0.0, 1.0);
+}
+
+double Opener::speed_cap(const MechanismEstimate& estimate) const noexcept {
+  const bool hinge = estimate.type == MechanismType::Hinge;
+  const bool near_end = hinge ? estimate.angle > kStopPossibleAngle : estimate.arc > kStopPossibleArc;
+  return near_end ? kSlowSpeed : config_.force.speed;
+}
+
+EndDetector::Verdict Opener::step(const RobotState& state, const Kinematics& kin, const HandWrench& wrench,
+                                  WholeBodyController& controller, ClearanceChecker& clearance,
+                                  MissionRecord& record) noexcept {
+  const double dt = config_.period;
+  InputVector measured(kin.J.cols());
+  measured << state.dq, state.base_w, state.base_v;
+  const Vector6d V = kin.J * measured;
+  const Matrix3d& R = kin.X_WE.linear();
+
+  // Feel and learn.
+  const bool pivots = !estimator_.estimate().rigid_grasp && bar_in_hand_.squaredNorm() > 0.5;
+  const Vector3d free_axis = pivots ? Vector3d(R * bar_in_hand_) : Vector3d(Vector3d::Zero());
+  const ForceCorrection correction = force_law_.step(wrench, estimator_.estimate().direction, free_axis);
+  const EstimatorInput heard{.dt = dt, .hand = kin.X_WE, .velocity = V.head<3>(), .force = wrench.force,
+                             .normal_correction = correction.velocity, .base_travel = std::abs(state.base_v) * dt};
+  (void)estimator_.update(heard);  // the estimate itself says how sure it is
+  const MechanismEstimate& estimate = estimator_.estimate();
+  const Vector3d& x = estimate.direction;
+  const Vector3d& k = estimate.curvature;
+  const double along = x.dot(V.head<3>());
+  if (std::abs(along) > config_.estimator.still_speed) turned_ += along * dt * k;
+
+  // How fast, and where the base should be.
+  const double sure = confidence(estimate);
+  const double speed = speed_law_.step({.confidence = sure, .base_lag = base_lag_, .pull_force = correction.pull_force,
+                                        .normal_force = correction.normal_force, .measured_speed = along,
+                                        .speed_cap = speed_cap(estimate)});
+  record.base = base_law_.step({.dt = dt, .base = state.base, .hand = kin.X_WE.translation(), .direction = x, .curvature = k,
+                                .wanted_speed = speed, .measured_speed = along, .confidence = sure});
+  base_lag_ = record.base.lag;
+
+  // What is near.
+  scene_.update(estimate, kin.X_WE.translation(), pivots ? turned_ : log_so3(R * R_grasp_.transpose()));
+  scene_.place(clearance);
+
+  // The whole body.
+  WbcProblem problem;
+  problem.kinematics = &kin;
+  problem.q = &state.q;
+  problem.measured = measured;
+  problem.tangential << speed * x, speed * k;
+  problem.correction << -correction.velocity, -correction.turn;
+  if (pivots) {
+    const bool upright = std::abs(free_axis.z()) > 0.7;
+    const double leaf_turn = turned_.dot(free_axis);
+    const double wanted = upright ? leaf_turn : std::clamp(-0.5 * leaf_turn, -kFlapTurn, kFlapTurn);
+    problem.free_axis = free_axis;
+    problem.free_axis_rate = kPivotCentring * (wanted - log_so3(R * R_grasp_.transpose()).dot(free_axis));
+  }
+  problem.base = record.base.twist;
+  problem.base_fixed = sure <= 0.0;
+  clearance.compute(model_, state.base, clearances_);
+  problem.clearance = &clearances_;
+  problem.leaf_velocity_at_hand = speed * x;
+  problem.leaf_turn = speed * k;
+  problem.leaf_obstacle = kLeafObstacle;
+  (void)controller.solve(problem, record.solution);  // its status travels in the solution
+
+  record.estimate = estimate;
+  record.wanted_speed = speed;
+  record.reference = problem.tangential + problem.correction;
+  record.clearance_min = *std::min_element(clearances_.smallest.begin(), clearances_.smallest.end());
+  return ends_.step({.dt = dt, .speed = along, .wanted_speed = speed, .pull_force = correction.pull_force,
+                     .running_force = speed_law_.running_force(), .speed_factor = record.solution.speed_factor,
+                     .binding = record.solution.binding},
+                    estimate);
+}
+
+}  // namespace ajar

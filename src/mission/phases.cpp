@@ -1,0 +1,269 @@
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "ajar/core/so3.hpp"
+#include "ajar/planning/joint_path.hpp"
+#include "mission_impl.hpp"
+
+namespace ajar {
+namespace {
+
+constexpr double kLookTime = 0.1;        // sights averaged before a choice [s]
+constexpr double kBlindTime = 2.0;       // no sight for this long: there is no handle to see [s]
+constexpr double kSettleTime = 0.4;      // four lags of the base [s]
+constexpr double kApproachTime = 60.0;   // a drive of a few metres takes a third of this [s]
+constexpr double kReachTime = 30.0;      // [s]
+constexpr double kZeroTime = 0.5;        // the mean of 250 samples has a noise of 0.03 N [s]
+constexpr double kQuietTime = 0.15;      // ten servo lags before zeroing [s]
+constexpr double kHandSpeed = 0.06;      // towards and away from the handle [m/s]
+constexpr double kHandGain = 2.5;        // [1/s]
+constexpr double kAtHandle = 2e-3;       // [m]
+constexpr double kNearHandle = 0.015;    // the fingers still close round the bar [m]
+constexpr double kTouchForce = 12.0;     // the hand has met something [N]
+constexpr double kAdvanceTime = 6.0;     // [s]
+constexpr double kFingerTime = 2.5;      // longest closing: stroke over the slowest finger speed [s]
+constexpr double kFingersStill = 0.15;   // [s]
+constexpr double kHeldOpening = 0.003;   // fingers farther apart than this hold something [m]
+constexpr int kMaxMisses = 3;
+constexpr int kProbeLevels = 3;
+constexpr double kRelaxTime = 0.3;       // standstill before the fingers open [s]
+constexpr double kOpenFingerTime = 0.6;  // [s]
+constexpr double kWithdraw = 0.12;       // the hand leaves the handle by this much [m]
+constexpr double kRetreatWay = 0.3;      // [m]
+constexpr double kRetreatSpeed = 0.15;   // [m/s]
+constexpr double kRetreatGap = 0.06;     // nearer than this to wall or leaf the base stays [m]
+constexpr double kRetreatTime = 5.0;     // [s]
+
+}  // namespace
+
+void Mission::Impl::choose(const RobotState& state) {
+  command_zero();
+  sights.add(state.handle, state.base);
+  if (sights.count() == 0) {
+    if (time_in_phase > kBlindTime) process(Event::GaveUp, EndReason::HandleUnseen);
+    return;
+  }
+  if (time_in_phase < kLookTime) return;
+  handle = sights.belief();
+  if (handle.thickness <= 0.0 || handle.thickness > model.gripper_stroke()) {
+    detail = handle.thickness <= 0.0
+                 ? std::string("nothing to grip: flush with the leaf")
+                 : fmt::format("nothing to grip: {:.3f} m thick, the fingers open to {:.3f} m", handle.thickness, model.gripper_stroke());
+    process(Event::GaveUp, EndReason::NothingToGrip);
+    return;
+  }
+  candidates = planner.choose(handle, seed, &detail);
+  if (candidates.empty()) {
+    process(Event::GaveUp, EndReason::Unreachable);
+    return;
+  }
+  candidate = 0;
+  process(Event::Chosen);
+}
+
+void Mission::Impl::approach(const RobotState& state) {
+  if (!planned) {
+    navigator.set_target(state.base, candidates[candidate].base);
+    planned = true;
+  }
+  command_base(navigator.step(state.base));
+  if (navigator.arrived()) {
+    process(Event::Arrived);
+  } else if (time_in_phase > kApproachTime) {
+    process(Event::GaveUp, EndReason::ApproachBlocked);
+  }
+}
+
+void Mission::Impl::next_candidate(const RobotState&) {
+  if (++candidate < candidates.size()) {
+    process(Event::NextPose);
+  } else {
+    if (detail.empty()) detail = fmt::format("no posture is good enough from any of {} base poses", candidates.size());
+    process(Event::GaveUp, EndReason::Unreachable);
+  }
+}
+
+void Mission::Impl::start_reach(const RobotState& state) {
+  handle = sights.belief();
+  chosen = candidates[candidate];
+  if (!planner.choose_posture(handle, state.base, seed + candidate, chosen)) {
+    next_candidate(state);
+    return;
+  }
+  opener.scene().reset(handle);
+  opener.scene().place(clearance, false);
+  std::vector<JointVector> path = plan_joint_path(model, clearance, state.base, state.q, chosen.approach, seed);
+  if (path.empty()) {
+    next_candidate(state);
+    return;
+  }
+  joint_move.start(std::move(path));
+  planned = true;
+}
+
+void Mission::Impl::reach(const RobotState& state) {
+  command_zero();
+  if (!planned) {
+    sights.add(state.handle, state.base);
+    if (time_in_phase < kSettleTime) return;
+    if (sights.count() == 0) {
+      process(Event::GaveUp, EndReason::HandleUnseen);
+      return;
+    }
+    start_reach(state);
+    return;
+  }
+  command_joints(joint_move.step(state.q, config.period));
+  if (joint_move.done()) {
+    process(Event::AtHandle);
+  } else if (time_in_phase > kReachTime) {
+    process(Event::GaveUp, EndReason::ApproachBlocked);
+  }
+}
+
+void Mission::Impl::zero(const RobotState& state) noexcept {
+  command_zero();
+  if (time_in_phase > kQuietTime) wrench.zero(state, record.kinematics);
+  if (time_in_phase > kQuietTime + kZeroTime) process(Event::Zeroed);
+}
+
+void Mission::Impl::solve_hand_twist(const RobotState& state, const Vector6d& twist) noexcept {
+  WbcProblem problem;
+  problem.kinematics = &record.kinematics;
+  problem.q = &state.q;
+  problem.measured.resize(model.inputs());
+  problem.measured << state.dq, state.base_w, state.base_v;
+  problem.tangential = twist;
+  problem.base_fixed = true;
+  opener.scene().place(clearance, true);
+  clearance.compute(model, state.base, clearances);
+  problem.clearance = &clearances;
+  (void)controller.solve(problem, record.solution);  // its status travels in the record
+  record.reference = twist;
+  record.clearance_min = *std::min_element(clearances.smallest.begin(), clearances.smallest.end());
+  command_solution();
+}
+
+double Mission::Impl::move_hand(const RobotState& state, const Pose& target, double speed) noexcept {
+  const Pose& hand = record.kinematics.X_WE;
+  const Vector3d error = target.translation() - hand.translation();
+  Vector3d v = kHandGain * error;
+  if (v.norm() > speed) v *= speed / v.norm();
+  Vector6d twist;
+  twist << v, kHandGain * log_so3(target.linear() * hand.linear().transpose());
+  solve_hand_twist(state, twist);
+  return error.norm();
+}
+
+void Mission::Impl::grasp(const RobotState& state) noexcept {
+  if (closing) {
+    close_fingers(state);
+    return;
+  }
+  const double error = move_hand(state, chosen.hand, kHandSpeed);
+  const bool touched = error < kNearHandle && record.wrench.force.norm() > kTouchForce;
+  if (error < kAtHandle || touched || (time_in_phase > kAdvanceTime && error < kNearHandle)) {
+    closing = true;
+    still_fingers = 0.0;
+    last_opening = state.gripper_opening;
+    time_in_phase = 0.0;
+  } else if (time_in_phase > kAdvanceTime) {
+    process(Event::GaveUp, EndReason::GraspMissed);
+  }
+}
+
+void Mission::Impl::close_fingers(const RobotState& state) noexcept {
+  command_zero();
+  command.gripper_closed = true;
+  const bool moving = std::abs(state.gripper_opening - last_opening) > 1e-3 * config.period;
+  last_opening = state.gripper_opening;
+  still_fingers = moving ? 0.0 : still_fingers + config.period;
+  if (time_in_phase < 2.0 * kFingersStill || (still_fingers < kFingersStill && time_in_phase < kFingerTime)) return;
+  if (state.gripper_opening > kHeldOpening) {
+    direction = guess.value_or(handle.normal);
+    opener.start(state, record.kinematics, handle, direction);
+    process(guess ? Event::Held : Event::HeldBlind);
+    return;
+  }
+  command.gripper_closed = false;
+  if (++misses < kMaxMisses) {
+    process(Event::Missed);
+  } else {
+    process(Event::GaveUp, EndReason::GraspMissed);
+  }
+}
+
+void Mission::Impl::probe(const RobotState& state) noexcept {
+  solve_hand_twist(state, prober.step(record.kinematics.X_WE, record.wrench, config.period));
+  if (prober.status() == Prober::Status::Found) {
+    opener.redirect(record.kinematics, prober.direction());
+    process(Event::Found);
+  } else if (prober.status() == Prober::Status::Nothing) {
+    if (probes < kProbeLevels) {
+      prober.start(record.kinematics.X_WE, probes++);
+    } else {
+      process(Event::Ended, EndReason::Locked);
+    }
+  }
+}
+
+void Mission::Impl::open(const RobotState& state) noexcept {
+  if (state.gripper_opening < kHeldOpening) {
+    process(Event::Fault, EndReason::GraspLost);
+    return;
+  }
+  const EndDetector::Verdict verdict = opener.step(state, record.kinematics, record.wrench, controller, clearance, record);
+  command_solution();
+  switch (verdict) {
+    case EndDetector::Verdict::Going: break;
+    case EndDetector::Verdict::Goal: process(Event::Ended, EndReason::GoalReached); break;
+    case EndDetector::Verdict::Stop: process(Event::Ended, EndReason::StopFelt); break;
+    case EndDetector::Verdict::Blocked:
+      if (probes < kProbeLevels) {
+        process(Event::Blocked);
+      } else {
+        process(Event::Ended, EndReason::Locked);
+      }
+      break;
+    case EndDetector::Verdict::TooHeavy: process(Event::Ended, EndReason::NeedsMoreForce); break;
+    case EndDetector::Verdict::Stalled: process(Event::Ended, EndReason::Stalled); break;
+    case EndDetector::Verdict::ClearanceStop: process(Event::Ended, EndReason::ClearanceStop); break;
+  }
+}
+
+void Mission::Impl::release(const RobotState& state) noexcept {
+  if (time_in_phase < kRelaxTime + kOpenFingerTime) {
+    controller.brake(record.solution);
+    command_solution();
+    if (time_in_phase > kRelaxTime) command.gripper_closed = false;
+    clear_pose = record.kinematics.X_WE;
+    clear_pose.translation() -= kWithdraw * clear_pose.linear().col(2);
+    return;
+  }
+  const double left = move_hand(state, clear_pose, kHandSpeed);
+  if (left < 5.0 * kAtHandle || time_in_phase > kAdvanceTime) process(Event::Clear);
+}
+
+void Mission::Impl::retreat(const RobotState& state) noexcept {
+  const Vector3d to_base(state.base.x - handle.position.x(), state.base.y - handle.position.y(), 0.0);
+  const Vector3d heading(std::cos(state.base.yaw), std::sin(state.base.yaw), 0.0);
+  clearance.compute(model, state.base, clearances);
+  const double gap = clearances.smallest[static_cast<std::size_t>(ClearanceKind::BaseWorld)];
+  if (retreat_sense == 0.0) {
+    retreat_start = state.base;
+    retreat_sense = heading.dot(to_base) >= 0.0 ? 1.0 : -1.0;
+    last_gap = gap;
+  }
+  const double driven = std::hypot(state.base.x - retreat_start.x, state.base.y - retreat_start.y);
+  const bool closing_in = gap < kRetreatGap && gap < last_gap;
+  last_gap = gap;
+  if (driven > kRetreatWay || closing_in || time_in_phase > kRetreatTime) {
+    process(Event::Away);
+    return;
+  }
+  command_base({retreat_sense * std::min(kRetreatSpeed, config.wbc.base_acceleration * time_in_phase), 0.0});
+}
+
+}  // namespace ajar
