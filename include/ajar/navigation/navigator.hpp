@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <string>
 
 #include "ajar/model/robot_model.hpp"
@@ -18,10 +19,12 @@ struct NavigationConfig {
   double lambda = 2.0;                ///< Graceful: exponent [-]
   double slow_radius = 0.5;           ///< Graceful [m]
   double v_max = 0.5;                 ///< [m/s]
+  double v_reverse = 0.3;             ///< Largest backward speed of the navigator; MiR100 planner value 0.2, hardware more [m/s]
   double w_max = 0.8;                 ///< [rad/s]
   double acceleration = 0.5;          ///< [m/s²]
   double yaw_acceleration = 1.0;      ///< [rad/s²]
   double k_final = 1.5;               ///< Heading gain of the terminal turn [1/s]
+  double max_curvature = 6.0;         ///< Sharpest curve of the driven path [1/m]
   double position_tolerance = 0.004;  ///< [m]
   double heading_tolerance = 0.004;   ///< [rad]
   bool operator==(const NavigationConfig&) const = default;
@@ -36,27 +39,79 @@ struct NavigationConfig {
 [[nodiscard]] BaseTwist graceful_law(const BasePose& base, const BasePose& target, bool forward,
                                      const NavigationConfig& config) noexcept;
 
-/// Drives to a pose: the shorter of forward and backward is chosen once and kept, limits scale v and ω together,
-/// a terminal switch handles the singular point. (docs/equations.md#navigation)
+/// A half-plane that the base must not enter, such as the wall round a door, and the base's footprint.
+struct KeepOut {
+  Vector2d point = Vector2d::Zero();     ///< On the border, odometry frame [m]
+  Vector2d normal = -Vector2d::UnitY();  ///< From the border into free space, unit [-]
+  double margin = 0.10;                  ///< Distance that the footprint keeps if start and target allow it [m]
+  double front = 0.487;                  ///< Footprint ahead of the axle (Heron's MiR, body shape of its URDF) [m]
+  double rear = 0.411;                   ///< Behind the axle [m]
+  double half_width = 0.292;             ///< To each side [m]
+};
+
+/// Smallest distance of the footprint's corners to the border, negative inside. [m]
+[[nodiscard]] double footprint_clearance(const BasePose& base, const KeepOut& keep_out) noexcept;
+
+/// Drives to a pose: the quickest of several routes (forward, backward, turning first, by way of a point in the free) is
+/// chosen once by prediction and kept, limits scale v and ω together, a terminal switch handles the singular point.
+/// (docs/equations.md#navigation)
 class Navigator {
  public:
   /// @throws ConfigError
   Navigator(const NavigationConfig& config, double period);
-  /// Chooses the sense by rolling out both.
-  void set_target(const BasePose& base, const BasePose& target) noexcept;
+  /// Chooses the route by rolling out all of them. `keep_out` = nullptr: free space everywhere. No allocation, below 5 ms.
+  void set_target(const BasePose& base, const BasePose& target, const KeepOut* keep_out = nullptr) noexcept;
   /// No allocation, no exception, bounded time.
   [[nodiscard]] BaseTwist step(const BasePose& base) noexcept;
-  [[nodiscard]] bool arrived() const noexcept { return arrived_; }
-  [[nodiscard]] bool forward() const noexcept { return forward_; }
+  [[nodiscard]] bool arrived() const noexcept { return state_.stage == Stage::Arrived; }
+  /// Sense of the last leg.
+  [[nodiscard]] bool forward() const noexcept { return state_.legs[static_cast<std::size_t>(state_.leg_count - 1)].forward; }
+  /// Time that the chosen route takes by the prediction [s].
+  [[nodiscard]] double predicted_time() const noexcept { return predicted_time_; }
 
  private:
+  enum class Stage { Idle, Start, FirstTurn, Drive, Dock, Align, Creep, FinalTurn, Settle, Arrived };
+  struct Leg {
+    BasePose goal;
+    bool forward = true;
+    bool turn_first = false;
+  };
+  struct State {
+    std::array<Leg, 2> legs;
+    int leg_count = 1;
+    int leg = 0;
+    Stage stage = Stage::Idle;
+    BasePose target;
+    BaseTwist last;
+    double timer = 0.0;        // in the present stage [s]
+    double align_yaw = 0.0;    // of the correcting move [rad]
+    int corrections = 0;
+  };
+  struct Prediction {
+    double time = 0.0;
+    double curvature = 0.0;
+    double clearance = 0.0;
+    bool arrives = false;
+  };
+
+  [[nodiscard]] BaseTwist advance(State& state, const BasePose& base, double dt) const noexcept;
+  [[nodiscard]] bool leave_stage(State& state, const BasePose& base) const noexcept;
+  [[nodiscard]] bool leave_journey(State& state, const BasePose& base) const noexcept;
+  [[nodiscard]] bool leave_terminal(State& state, const BasePose& base) const noexcept;
+  [[nodiscard]] double start_heading(const Leg& leg, const BasePose& base) const noexcept;
+  [[nodiscard]] BaseTwist wanted(const State& state, const BasePose& base) const noexcept;
+  [[nodiscard]] BaseTwist drive(const Leg& leg, const BasePose& base) const noexcept;
+  [[nodiscard]] bool inside_tolerance(const State& state, const BasePose& base) const noexcept;
+  void correct(State& state, const BasePose& base) const noexcept;
+  [[nodiscard]] Prediction predict(State state, BasePose base, const KeepOut* keep_out) const noexcept;
+  void consider(State candidate, const BasePose& base, const KeepOut* keep_out) noexcept;
+
   NavigationConfig config_;
+  bool polar_;
   double period_;
-  BasePose target_;
-  BaseTwist last_;
-  bool forward_ = true;
-  int stage_ = 0;
-  bool arrived_ = false;
+  State state_;
+  double best_cost_ = 0.0;
+  double predicted_time_ = 0.0;
 };
 
 }  // namespace ajar
