@@ -1,6 +1,7 @@
 option(AJAR_BUILD_TESTS "Build the tests" ${PROJECT_IS_TOP_LEVEL})
 option(AJAR_BUILD_EXAMPLES "Build the examples" ${PROJECT_IS_TOP_LEVEL})
 option(AJAR_BUILD_BENCH "Build the benchmarks" OFF)
+option(AJAR_HEADERS_ALONE "Compile every public header alone" OFF)
 option(AJAR_WERROR "Treat warnings as errors" OFF)
 set(AJAR_SANITIZE "" CACHE STRING "Sanitizers, e.g. address,undefined")
 
