@@ -32,7 +32,7 @@ struct MechanismConfig {
   double handle_thickness = 0.02;          ///< [m]
   double handle_length = 0.12;             ///< [m]
   double mass = 20.0;                      ///< [kg]
-  std::optional<double> inertia;           ///< Default: of a slab of that mass [kg m²]
+  std::optional<double> inertia{};         ///< Default: of a slab of that mass [kg m²]
   double coulomb = 1.0;
   double breakaway = 1.0;
   double viscous = 0.5;
@@ -40,8 +40,8 @@ struct MechanismConfig {
   double spring_reference = 0.0;
   double gravity_share = 0.0;
   int closer_size = 0;                     ///< EN 1154 size 1-7, 0 = none; fills `closer`
-  Closer closer;
-  Seal seal;
+  Closer closer{};
+  Seal seal{};
   double front_width = 0.4;                ///< Drawer front [m]
   double front_height = 0.2;               ///< Drawer front [m]
   bool walls = true;                       ///< Wall beside a door, cabinet body round a drawer
@@ -53,7 +53,7 @@ struct MechanismConfig {
 /// @throws ConfigError
 [[nodiscard]] Mechanism make_mechanism(const MechanismConfig& config);
 
-/// Reads one row of a door table (columns of the door table reference in docs/door-table.md), seen from the -y side.
+/// Reads one row of a door table (columns of the door table reference in campaigns/doors.md), seen from the -y side.
 /// @throws ConfigError, IoError  with file, line, column, value and what is allowed
 [[nodiscard]] Mechanism load_door(const std::filesystem::path& csv, const std::string& id);
 

@@ -26,12 +26,14 @@ struct Closer {
   double moment = 0.0;           ///< Closing moment at q = 0 [N m or N]
   double stiffness = 0.0;        ///< Increase with opening [N m/rad or N/m]
   double closing_damping = 0.0;  ///< Added to `viscous` while q falls [N m s/rad or N s/m]
+  bool operator==(const Closer&) const = default;
 };
 
 /// A seal or catch that fades linearly within the first part of the travel.
 struct Seal {
   double force = 0.0;  ///< At q = 0 [N m or N]
   double range = 0.0;  ///< Where it has faded to nothing [rad or m]
+  bool operator==(const Seal&) const = default;
 };
 
 /// The one-degree-of-freedom thing: hinge (axis, radius) or slide (direction), as it truly is. Only plants and judges hold one.
