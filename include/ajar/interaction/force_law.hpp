@@ -11,7 +11,8 @@ struct ForceLawConfig {
   double integral_ratio = 0.33;         ///< β_f / α_f [1/s]
   double correction_max = 0.06;         ///< Largest |v_f| [m/s]
   double deadband = 0.5;                ///< Subtracted from the normal force [N]
-  double torque_gain = 0.1;             ///< α_τ [rad/(N m s)]
+  double torque_gain = 0.1;             ///< Upper bound of α_τ [rad/(N m s)]
+  double rotational_stiffness = 100.0;  ///< K_r of the grasp: bounds α_τ by the same stability number [N m/rad]
   double turn_max = 0.4;                ///< Largest |ω_τ| [rad/s]
   double force_limit = 45.0;            ///< Force that the pull may reach [N]
   double speed_start = 0.02;            ///< Until the estimate is sure [m/s]
@@ -35,6 +36,13 @@ struct ForceCorrection {
   double pull_force = 0.0;               ///< x·f [N]
 };
 
+/// α = min(largest, number / (K (T_c + dead time))): speed-independent loop gain. (docs/equations.md#force-law)
+/// @param largest    Upper bound of the gain [m/(N s) or rad/(N m s)]
+/// @param number     Stability number [-]
+/// @param stiffness  K [N/m or N m/rad]
+/// @param delay      T_c + dead time [s]
+[[nodiscard]] double loop_gain(double largest, double number, double stiffness, double delay) noexcept;
+
 /// Normal force and torque to zero (5.0)-(5.3 corrected). (docs/equations.md#force-law)
 class ForceLaw {
  public:
@@ -52,6 +60,7 @@ class ForceLaw {
   ForceLawConfig config_;
   double period_;
   double gain_;
+  double torque_gain_;
   Vector3d integral_ = Vector3d::Zero();
 };
 
@@ -65,10 +74,16 @@ struct SpeedInput {
   double speed_cap = 1.0;      ///< From outside, e.g. an end is possible [m/s]
 };
 
+/// Steady tangential speed before ramps and give: start speed to cruise by confidence, waiting for a lagging base,
+/// lowered as the forces near the limit. (docs/equations.md#speed-law) [m/s]
+[[nodiscard]] double wanted_speed(const SpeedInput& input, const ForceLawConfig& config) noexcept;
+
 /// Tangential speed: slow start, confidence, waiting for the base, lowered when force rises, tangential give.
 /// (docs/equations.md#speed-law)
 class SpeedLaw {
  public:
+  /// @param period  Control period [s]
+  /// @throws ConfigError
   SpeedLaw(const ForceLawConfig& config, double period);
   void reset() noexcept;
   /// @return wanted speed along x̂, may be slightly negative while giving way [m/s]
@@ -81,6 +96,8 @@ class SpeedLaw {
   double period_;
   double speed_ = 0.0;
   double running_force_ = 0.0;
+  double filtered_speed_ = 0.0;
+  double travel_ = 0.0;
   bool moved_ = false;
 };
 

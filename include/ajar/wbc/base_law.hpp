@@ -50,7 +50,14 @@ class BaseLaw {
   [[nodiscard]] BaseLawOutput step(const BaseLawInput& input) noexcept;
 
  private:
+  [[nodiscard]] BaseLawOutput corotating(const BaseLawInput& input) noexcept;
+  [[nodiscard]] BaseLawOutput keep_distance(const BaseLawInput& input) noexcept;
+  void choose_sense(double heading, double yaw, double confidence) noexcept;
+
+  enum class Kind { Corotating, Distance, Line };
+
   BaseLawConfig config_;
+  Kind kind_ = Kind::Corotating;
   Vector3d offset_ = Vector3d::Zero();
   double turned_ = 0.0;
   double start_yaw_ = 0.0;

@@ -41,10 +41,11 @@ struct WbcProblem {
   Vector6d tangential = Vector6d::Zero();   ///< Scaled by the speed factor s
   Vector6d correction = Vector6d::Zero();   ///< Never scaled
   Vector3d free_axis = Vector3d::Zero();    ///< Grip turns freely about it: that row becomes weak; zero = none
-  double free_axis_rate = 0.0;              ///< Weakly wanted turn about it [rad/s]
+  double free_axis_rate = 0.0;              ///< Weakly wanted turn about it, replaces that part of both twists [rad/s]
   BaseTwist base;                           ///< Wanted base motion
   bool base_fixed = false;                  ///< Base must stand
   const ClearanceResult* clearance = nullptr;  ///< nullptr = no rows
+  ClearanceConfig clearance_config;         ///< Distances and rates that turn the distances into rows
   Vector3d leaf_velocity_at_hand = Vector3d::Zero(); ///< Of the believed leaf at the hand for s = 1 [m/s]
   Vector3d leaf_turn = Vector3d::Zero();    ///< Of the believed leaf for s = 1 [rad/s]
   int leaf_obstacle = -1;                   ///< Which obstacle index moves with the leaf

@@ -1,0 +1,87 @@
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "ajar/core/error.hpp"
+#include "ajar/interaction/force_law.hpp"
+
+namespace ajar {
+namespace {
+
+// The hand waits for the base: full speed up to 6 cm of lag, a fifth from 16 cm (the reach left beside the posture).
+constexpr double kLagStop = 0.16;
+constexpr double kLagRange = 0.10;
+constexpr double kLagLeast = 0.2;
+// Speed falls over the last 10 N of pull before the limit, and over the last 15 N of normal force down to a tenth:
+// the force law needs some motion to learn from.
+constexpr double kPullRange = 10.0;
+constexpr double kNormalRange = 15.0;
+constexpr double kNormalLeast = 0.1;
+// The running force counts once the hand has really moved: 2 cm, at half the wanted speed, 0.1 s mean.
+constexpr double kMovedTravel = 0.02;
+constexpr double kMovingShare = 0.5;
+constexpr double kSpeedFilter = 0.1;
+constexpr double kForceFilter = 1.0;
+// Measured speed below which nothing moves (encoder noise) [m/s].
+constexpr double kStandingSpeed = 0.004;
+
+bool is_finite(const SpeedInput& input) {
+  return std::isfinite(input.confidence) && std::isfinite(input.base_lag) && std::isfinite(input.pull_force) &&
+         std::isfinite(input.normal_force) && std::isfinite(input.measured_speed) && std::isfinite(input.speed_cap);
+}
+
+}  // namespace
+
+double wanted_speed(const SpeedInput& input, const ForceLawConfig& config) noexcept {
+  const double confidence = std::clamp(input.confidence, 0.0, 1.0);
+  const double gate = std::clamp((kLagStop - input.base_lag) / kLagRange, kLagLeast, 1.0);
+  double speed = config.speed_start + (config.speed - config.speed_start) * confidence * gate;
+  speed = std::min(speed, std::max(input.speed_cap, 0.0));
+  speed *= std::clamp((config.force_limit - std::abs(input.pull_force)) / kPullRange, 0.0, 1.0);
+  speed *= std::clamp((config.force_limit - input.normal_force) / kNormalRange, kNormalLeast, 1.0);
+  return speed;
+}
+
+SpeedLaw::SpeedLaw(const ForceLawConfig& config, double period) : config_(config), period_(period) {
+  config.validate();
+  if (!(period >= 1e-6 && period <= 0.1)) {
+    throw ConfigError("interaction.period = " + std::to_string(period) + " s: must be in [1e-6, 0.1]");
+  }
+}
+
+void SpeedLaw::reset() noexcept {
+  speed_ = 0.0;
+  running_force_ = 0.0;
+  filtered_speed_ = 0.0;
+  travel_ = 0.0;
+  moved_ = false;
+}
+
+double SpeedLaw::step(const SpeedInput& input) noexcept {
+  if (!is_finite(input)) {
+    speed_ = std::max(0.0, speed_ - config_.deceleration * period_);
+    return speed_;
+  }
+  filtered_speed_ += std::min(1.0, period_ / kSpeedFilter) * (input.measured_speed - filtered_speed_);
+  if (std::abs(input.measured_speed) > kStandingSpeed) {
+    travel_ += std::abs(input.measured_speed) * period_;
+  }
+  if (travel_ > kMovedTravel && filtered_speed_ > kMovingShare * std::max(speed_, config_.speed_start)) {
+    const double share = moved_ ? std::min(1.0, period_ / kForceFilter) : 1.0;
+    running_force_ += share * (input.pull_force - running_force_);
+    moved_ = true;
+  }
+  speed_ += std::clamp(wanted_speed(input, config_) - speed_, -config_.deceleration * period_,
+                       config_.acceleration * period_);
+  // Tangential give: an end stop or a seal is met with a backing hand before the slower speed law answers.
+  double give_from = config_.force_limit - config_.give_reserve;
+  if (moved_) {
+    give_from = std::min(give_from, running_force_ + config_.give_margin);
+  }
+  if (input.pull_force <= give_from) {
+    return speed_;
+  }
+  return std::max(speed_ - config_.give_gain * (input.pull_force - give_from), -config_.give_speed);
+}
+
+}  // namespace ajar

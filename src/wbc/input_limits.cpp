@@ -1,0 +1,140 @@
+#include "ajar/wbc/input_limits.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "ajar/core/error.hpp"
+
+namespace ajar {
+namespace {
+
+// Rim speed of the faster wheel.
+double wheel_load(const InputLimits& limits, double w, double v) {
+  return std::abs(v) + limits.half_track * std::abs(w);
+}
+
+// Acceleration range around the last command, moved into the range that must hold anyway.
+void set_bounds(InputBounds& bounds, int i, double last, double step, double low, double high, BindingLimit low_limit,
+                BindingLimit high_limit, BindingLimit step_limit) {
+  bounds.lower[i] = std::clamp(last - step, low, high);
+  bounds.upper[i] = std::clamp(last + step, low, high);
+  bounds.lower_limit[static_cast<size_t>(i)] = bounds.lower[i] > low ? step_limit : low_limit;
+  bounds.upper_limit[static_cast<size_t>(i)] = bounds.upper[i] < high ? step_limit : high_limit;
+}
+
+double brake_step(double last, double step) { return last - std::clamp(last, -step, step); }
+
+// The base bounds must leave at least one pair (ω, v) that the wheels can turn: acceleration yields.
+void reach_wheel_limit(const InputLimits& limits, InputBounds& bounds) {
+  const int w = limits.joints;
+  const int v = w + 1;
+  const double w_least = std::clamp(0.0, bounds.lower[w], bounds.upper[w]);
+  const double v_least = std::clamp(0.0, bounds.lower[v], bounds.upper[v]);
+  const double load = wheel_load(limits, w_least, v_least);
+  if (load <= limits.wheel_reach) {
+    return;
+  }
+  const double scale = limits.wheel_reach / load;
+  bounds.lower[w] = std::min(bounds.lower[w], scale * w_least);
+  bounds.upper[w] = std::max(bounds.upper[w], scale * w_least);
+  bounds.lower[v] = std::min(bounds.lower[v], scale * v_least);
+  bounds.upper[v] = std::max(bounds.upper[v], scale * v_least);
+}
+
+}  // namespace
+
+InputLimits make_input_limits(const RobotModel& model, const WbcConfig& config, double period) {
+  if (!(period > 0.0 && period <= 0.1)) {
+    throw ConfigError("control period = " + std::to_string(period) + " s: must be in (0, 0.1]");
+  }
+  const RobotLimits& robot = model.limits();
+  const int n = model.joints();
+  InputLimits limits;
+  limits.joints = n;
+  limits.base_moves = model.base_type() == BaseType::Differential;
+  limits.period = period;
+  // A range narrower than two margins keeps a tenth of itself on each side.
+  const JointVector margin =
+      (0.1 * (robot.position_upper - robot.position_lower)).cwiseMin(config.position_margin);
+  limits.position_lower = robot.position_lower + margin;
+  limits.position_upper = robot.position_upper - margin;
+  limits.speed_lower = InputVector::Zero(n + 2);
+  limits.speed_upper = InputVector::Zero(n + 2);
+  limits.acceleration = InputVector::Constant(n + 2, config.joint_acceleration);
+  limits.speed_upper.head(n) = config.rate_scale * robot.velocity;
+  limits.speed_lower.head(n) = -limits.speed_upper.head(n);
+  limits.acceleration.head(n) = robot.acceleration.cwiseMin(config.joint_acceleration);
+  limits.acceleration[n] = std::min(config.base_yaw_acceleration, robot.base_yaw_acceleration);
+  limits.acceleration[n + 1] = std::min(config.base_acceleration, robot.base_acceleration);
+  if (limits.base_moves) {
+    limits.speed_upper[n] = std::min(config.base_yaw_rate, robot.base_yaw_rate);
+    limits.speed_lower[n] = -limits.speed_upper[n];
+    limits.speed_upper[n + 1] = std::min(config.base_forward, robot.base_forward);
+    limits.speed_lower[n + 1] = -std::min(config.base_reverse, robot.base_reverse);
+    limits.wheel_reach = robot.wheel_speed * model.wheel_radius();
+    limits.half_track = 0.5 * model.wheel_track();
+  }
+  return limits;
+}
+
+double stopping_rate(double distance, double deceleration, double period) noexcept {
+  if (!(distance > 0.0)) {
+    return 0.0;
+  }
+  const double step = 0.5 * deceleration * period;
+  return std::min(distance / period, std::sqrt(step * step + 2.0 * deceleration * distance) - step);
+}
+
+InputBounds input_bounds(const InputLimits& limits, const JointVector& q, const InputVector& last,
+                         bool base_fixed) noexcept {
+  const int n = limits.joints;
+  InputBounds bounds;
+  bounds.lower = InputVector::Zero(n + 2);
+  bounds.upper = InputVector::Zero(n + 2);
+  for (int i = 0; i < n; ++i) {
+    const double A = limits.acceleration[i];
+    const double up = stopping_rate(limits.position_upper[i] - q[i], A, limits.period);
+    const double down = stopping_rate(q[i] - limits.position_lower[i], A, limits.period);
+    const bool near_upper = up < limits.speed_upper[i];
+    const bool near_lower = -down > limits.speed_lower[i];
+    set_bounds(bounds, i, last[i], A * limits.period, std::max(limits.speed_lower[i], -down),
+               std::min(limits.speed_upper[i], up),
+               near_lower ? BindingLimit::JointPosition : BindingLimit::JointRate,
+               near_upper ? BindingLimit::JointPosition : BindingLimit::JointRate, BindingLimit::JointAcceleration);
+  }
+  for (int i = n; i < n + 2; ++i) {
+    const double step = limits.acceleration[i] * limits.period;
+    set_bounds(bounds, i, last[i], step, limits.speed_lower[i], limits.speed_upper[i], BindingLimit::BaseSpeed,
+               BindingLimit::BaseSpeed, BindingLimit::BaseAcceleration);
+    if (base_fixed || !limits.base_moves) {
+      const double stopping = std::clamp(brake_step(last[i], step), limits.speed_lower[i], limits.speed_upper[i]);
+      bounds.lower[i] = stopping;
+      bounds.upper[i] = stopping;
+    }
+  }
+  if (limits.base_moves) {
+    reach_wheel_limit(limits, bounds);
+  }
+  return bounds;
+}
+
+InputVector braked_input(const InputLimits& limits, const InputVector& last) noexcept {
+  InputVector u = last;
+  for (int i = 0; i < u.size(); ++i) {
+    u[i] = std::clamp(brake_step(last[i], limits.acceleration[i] * limits.period), limits.speed_lower[i],
+                      limits.speed_upper[i]);
+  }
+  limit_wheels(limits, u);
+  return u;
+}
+
+void limit_wheels(const InputLimits& limits, InputVector& u) noexcept {
+  const int n = limits.joints;
+  const double load = wheel_load(limits, u[n], u[n + 1]);
+  if (limits.base_moves && load > limits.wheel_reach) {
+    u.tail<2>() *= limits.wheel_reach / load;
+  }
+}
+
+}  // namespace ajar

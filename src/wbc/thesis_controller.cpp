@@ -1,0 +1,168 @@
+#include "ajar/wbc/thesis_controller.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "ajar/core/so3.hpp"
+
+namespace ajar {
+namespace {
+
+// Below this planar speed, or this share of the speed, the direction of motion defines no heading.
+constexpr double kLeastPlanarSpeed = 0.01;
+constexpr double kLeastPlanarShare = 0.2;
+// The driving sense changes only when the heading error passes a right angle by 15°.
+constexpr double kSenseHysteresis = std::numbers::pi / 2.0 + std::numbers::pi / 12.0;
+// Same meaning as in the QP: residual of the hand's linear rows and speed factor that count as missed and slowed.
+constexpr double kMissedSpeed = 5e-3;
+constexpr double kSlowedFactor = 0.999;
+
+// Largest factor k in [0, 1] with base + k·step inside the bounds; 0 if base itself is outside by more than round-off.
+double common_factor(const InputLimits& limits, const InputBounds& bounds, const InputVector& start,
+                     const InputVector& step) {
+  double factor = 1.0;
+  const auto hold = [&factor](double at, double change, double low, double high) {
+    if (change > 0.0) {
+      factor = std::min(factor, (high - at) / change);
+    } else if (change < 0.0) {
+      factor = std::min(factor, (low - at) / change);
+    }
+  };
+  for (int i = 0; i < start.size(); ++i) {
+    hold(start[i], step[i], bounds.lower[i], bounds.upper[i]);
+  }
+  if (limits.base_moves) {
+    const int w = limits.joints;
+    for (const double side : {-1.0, 1.0}) {
+      const double reach = limits.half_track * side;
+      hold(start[w + 1] + reach * start[w], step[w + 1] + reach * step[w], -limits.wheel_reach, limits.wheel_reach);
+    }
+  }
+  return std::clamp(factor, 0.0, 1.0);
+}
+
+bool is_usable(const WbcProblem& problem, int joints) {
+  return problem.kinematics != nullptr && problem.q != nullptr && problem.q->size() == joints &&
+         problem.q->allFinite() && problem.kinematics->J.cols() == joints + 2 && problem.kinematics->J.allFinite() &&
+         problem.kinematics->distance_jacobian.size() == joints + 2 &&
+         problem.kinematics->distance_jacobian.allFinite() && std::isfinite(problem.kinematics->distance) &&
+         problem.tangential.allFinite() && problem.correction.allFinite();
+}
+
+}  // namespace
+
+HeadingReference heading_reference(const Vector6d& twist) noexcept {
+  const Vector3d v = twist.head<3>();
+  const double planar = v.head<2>().norm();
+  if (!(planar > std::max(kLeastPlanarSpeed, kLeastPlanarShare * v.norm()))) {
+    return {};
+  }
+  const Vector3d change = twist.tail<3>().cross(v);
+  return {std::atan2(v.y(), v.x()), (v.x() * change.y() - v.y() * change.x()) / (planar * planar), true};
+}
+
+InputVector distance_task(const Kinematics& kinematics, double wanted, double alpha) noexcept {
+  return -alpha * (kinematics.distance - wanted) * kinematics.distance_jacobian.transpose();
+}
+
+ThesisController::ThesisController(const RobotModel& model, const ThesisConfig& config, const WbcConfig& limits,
+                                   double period)
+    : config_(config), limits_config_(limits) {
+  config.validate();
+  limits.validate();
+  limits_ = make_input_limits(model, limits, period);
+  const int n = limits_.joints;
+  weight_ = InputVector::Ones(n + 2);
+  // W = diag(ρ_i / u_i,max²): independent of the units of the inputs. A base that cannot move has no authority.
+  for (int i = 0; i < n + 2; ++i) {
+    const double largest = std::max(limits_.speed_upper[i], 1e-3);
+    weight_[i] = (i < n ? 1.0 : config.w_base) / (largest * largest);
+  }
+  last_ = InputVector::Zero(n + 2);
+}
+
+void ThesisController::reset() noexcept {
+  last_.setZero();
+  heading_integral_ = 0.0;
+  drive_sense_ = 0;
+  saturated_ = false;
+}
+
+void ThesisController::reset(const InputVector& last_command) noexcept {
+  reset();
+  if (last_command.size() == limits_.joints + 2 && last_command.allFinite()) {
+    last_ = last_command;
+  }
+}
+
+InputVector ThesisController::null_space_motion(const WbcProblem& problem) noexcept {
+  const int n = limits_.joints;
+  InputVector z = distance_task(*problem.kinematics, config_.distance, config_.alpha1);
+  const HeadingReference reference = heading_reference(problem.tangential);
+  if (reference.valid) {
+    const double yaw = std::atan2(problem.kinematics->J(1, n + 1), problem.kinematics->J(0, n + 1));
+    double error = wrap_angle(yaw - reference.heading - (drive_sense_ < 0 ? std::numbers::pi : 0.0));
+    if (drive_sense_ == 0) {
+      drive_sense_ = std::abs(error) <= std::numbers::pi / 2.0 ? 1 : -1;
+    } else if (std::abs(error) > kSenseHysteresis) {
+      drive_sense_ = -drive_sense_;
+    }
+    error = wrap_angle(yaw - reference.heading - (drive_sense_ < 0 ? std::numbers::pi : 0.0));
+    if (!saturated_ && !config_.feed_forward) {
+      heading_integral_ = std::clamp(heading_integral_ + limits_.period * error, -config_.integral_max,
+                                     config_.integral_max);
+    }
+    z[n] += config_.feed_forward ? reference.rate - config_.alpha2 * error
+                                 : -config_.alpha2 * error - config_.alpha3 * heading_integral_;
+  }
+  return z;
+}
+
+WbcStatus ThesisController::solve(const WbcProblem& problem, WbcSolution& out) noexcept {
+  if (!is_usable(problem, limits_.joints)) {
+    brake(out);
+    return out.status = WbcStatus::Invalid;
+  }
+  HandJacobian J = problem.kinematics->J;
+  if (!limits_.base_moves || problem.base_fixed) {
+    J.rightCols<2>().setZero();
+  }
+  const InputBounds bounds = input_bounds(limits_, *problem.q, last_, problem.base_fixed);
+  const Damping damping{config_.epsilon, config_.lambda_max, limits_config_.length};
+  const PseudoInverse inverse = damped_pseudo_inverse(J, weight_, damping);
+  const InputVector correction = inverse.matrix * problem.correction;
+  const InputVector tangential = inverse.matrix * problem.tangential;
+  const InputVector idle = null_space_projector(J, weight_).lazyProduct(null_space_motion(problem));
+
+  const InputVector rest = InputVector::Zero(limits_.joints + 2);
+  InputVector u = common_factor(limits_, bounds, rest, correction) * correction;
+  out.speed_factor = common_factor(limits_, bounds, u, tangential);
+  u += out.speed_factor * tangential;
+  const double idle_factor = common_factor(limits_, bounds, u, idle);
+  u += idle_factor * idle;
+  saturated_ = idle_factor < 1.0;
+
+  out.u = u.cwiseMax(bounds.lower).cwiseMin(bounds.upper);
+  limit_wheels(limits_, out.u);
+  out.sigma_min = inverse.sigma_min;
+  out.slack = 0.0;
+  out.binding = BindingLimit::None;
+  const Vector6d twist = J * out.u - out.speed_factor * problem.tangential - problem.correction;
+  out.residual = twist.head<3>().norm();
+  out.status = out.residual > kMissedSpeed           ? WbcStatus::Limited
+               : out.speed_factor < kSlowedFactor    ? WbcStatus::Slowed
+               : inverse.squared_damping > 0.0       ? WbcStatus::Damped
+                                                     : WbcStatus::Ok;
+  last_ = out.u;
+  return out.status;
+}
+
+void ThesisController::brake(WbcSolution& out) noexcept {
+  out = WbcSolution{};
+  out.u = braked_input(limits_, last_);
+  out.status = WbcStatus::Slowed;
+  last_ = out.u;
+}
+
+}  // namespace ajar

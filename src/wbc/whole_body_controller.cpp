@@ -1,0 +1,293 @@
+#include "ajar/wbc/whole_body_controller.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "ajar/wbc/dense_qp.hpp"
+#include "ajar/wbc/input_limits.hpp"
+
+namespace ajar {
+namespace {
+
+constexpr int kSpeedFactor = kMaxInputs;
+constexpr int kSlack = kMaxInputs + 1;
+// Hand rows: six of the twist and one weak row about a free axis.
+constexpr int kTaskRows = 7;
+// A quarter of the start speed 20 mm/s: the force law answers it with less than 2 N (v/α at α = 3e-3).
+constexpr double kMissedSpeed = 5e-3;
+// The rate and base terms hold s a few percent below 1 without any limit.
+constexpr double kSlowedFactor = 0.95;
+// Own body: rows may separate the robot from itself, but gently (world rows never demand separation).
+constexpr double kSelfSeparation = 0.05;
+// Round-off of the wheel rows.
+constexpr double kWheelRoom = 1e-9;
+// Reserve of distance rows: the approach speed that the stop distance of the arm (3 cm) takes away per second.
+constexpr double kClearanceScale = 0.1;
+// Keeps the QP strictly convex where a column vanishes.
+constexpr double kRegularisation = 1e-9;
+
+bool is_usable(const WbcProblem& problem, int joints) {
+  const Kinematics* kinematics = problem.kinematics;
+  return kinematics != nullptr && problem.q != nullptr && problem.q->size() == joints && problem.q->allFinite() &&
+         problem.measured.size() == joints + 2 && problem.measured.tail<2>().allFinite() &&
+         kinematics->J.cols() == joints + 2 && kinematics->J.allFinite() &&
+         kinematics->X_WE.translation().allFinite() && problem.tangential.allFinite() &&
+         problem.correction.allFinite() && problem.free_axis.allFinite() && std::isfinite(problem.free_axis_rate) &&
+         std::isfinite(problem.base.v) && std::isfinite(problem.base.w) &&
+         problem.leaf_velocity_at_hand.allFinite() && problem.leaf_turn.allFinite();
+}
+
+bool is_usable(const ClearanceRow& row, int joints) {
+  return row.row.size() == joints + 2 && row.row.allFinite() && std::isfinite(row.distance) &&
+         row.normal.allFinite() && row.point_on_obstacle.allFinite();
+}
+
+const ClearanceLimits& limits_of(const ClearanceConfig& config, ClearanceKind kind) {
+  switch (kind) {
+    case ClearanceKind::Self:
+      return config.self;
+    case ClearanceKind::ArmWorld:
+      return config.arm_world;
+    default:
+      return config.base_world;
+  }
+}
+
+// Slowest allowed change of a distance: never demands separation from the world. (docs/equations.md#qp)
+double least_rate(const ClearanceRow& row, const ClearanceConfig& config) {
+  const ClearanceLimits& limits = limits_of(config, row.kind);
+  const double rate = -limits.rate * (row.distance - limits.stop);
+  return std::min(rate, row.kind == ClearanceKind::Self ? kSelfSeparation : 0.0);
+}
+
+}  // namespace
+
+struct WholeBodyController::Impl {
+  Impl(const RobotModel& model, const WbcConfig& wbc, double period)
+      : config(wbc), limits(make_input_limits(model, wbc, period)), n(limits.joints) {
+    last = InputVector::Zero(n + 2);
+    scaled_slack = 1.0 / std::sqrt(config.slack_weight);
+  }
+
+  WbcConfig config;
+  InputLimits limits;
+  int n;
+  double scaled_slack = 1.0;
+  InputVector last;
+  InputBounds bounds;
+  QpProblem qp;
+  QpSolution answer;
+  DenseQp solver;
+  std::array<double, kQpRows> row_scale{};
+  int clearance_rows = 0;
+
+  void build_cost(const WbcProblem& problem, double sigma_min);
+  void add_task(const WbcProblem& problem);
+  void build_bounds(const WbcProblem& problem);
+  void add_wheel_rows();
+  void add_clearance_rows(const WbcProblem& problem);
+  void read(const WbcProblem& problem, WbcSolution& out);
+  [[nodiscard]] BindingLimit binding_limit() const;
+};
+
+// min w_t |S (J_a q̇ + J_b (ρ u_b + (1 - ρ) u_b,measured) - s V_t - V_c)|², rows about a free axis exchanged.
+void WholeBodyController::Impl::add_task(const WbcProblem& problem) {
+  const HandJacobian& J = problem.kinematics->J;
+  const double share = config.base_share;
+  Eigen::Matrix<double, kTaskRows, kQpVariables> A = Eigen::Matrix<double, kTaskRows, kQpVariables>::Zero();
+  Eigen::Matrix<double, kTaskRows, 1> b = Eigen::Matrix<double, kTaskRows, 1>::Zero();
+  A.block(0, 0, 6, n) = J.leftCols(n);
+  // The rest of the base motion happens whatever is commanded now: measured, bounded against wild readings.
+  const Vector2d measured = problem.measured.tail<2>()
+                                .cwiseMax(2.0 * limits.speed_lower.tail<2>())
+                                .cwiseMin(2.0 * limits.speed_upper.tail<2>());
+  A.block(0, n, 6, 2) = share * J.rightCols(2);
+  A.col(kSpeedFactor).head<6>() = -problem.tangential;
+  b.head<6>() = problem.correction - (1.0 - share) * (J.rightCols(2) * measured);
+  A.middleRows<3>(3) *= config.length;
+  b.segment<3>(3) *= config.length;
+  Eigen::Matrix<double, kTaskRows, 1> weight = Eigen::Matrix<double, kTaskRows, 1>::Constant(config.hand_weight);
+  weight[6] = 0.0;
+  const double axis_length = problem.free_axis.norm();
+  if (axis_length > 0.5) {
+    const Vector3d axis = problem.free_axis / axis_length;
+    const Vector3d drift = (1.0 - share) * (J.bottomRightCorner<3, 2>() * measured);
+    A.row(6) = axis.transpose() * A.middleRows<3>(3);
+    A(6, kSpeedFactor) = 0.0;
+    b[6] = config.length * (problem.free_axis_rate - axis.dot(drift));
+    weight[6] = config.free_axis_weight;
+    const Matrix3d P = Matrix3d::Identity() - axis * axis.transpose();
+    A.middleRows<3>(3) = (P * A.middleRows<3>(3)).eval();
+    b.segment<3>(3) = (P * b.segment<3>(3)).eval();
+  }
+  const Eigen::Matrix<double, kTaskRows, kQpVariables> weighted = weight.asDiagonal() * A;
+  qp.H.noalias() = A.transpose().lazyProduct(weighted);
+  qp.g.noalias() = -weighted.transpose().lazyProduct(b);
+}
+
+void WholeBodyController::Impl::build_cost(const WbcProblem& problem, double sigma_min) {
+  add_task(problem);
+  const double nearness = std::max(0.0, 1.0 - sigma_min / config.singular_onset);
+  const double rate_weight = config.rate_weight + config.singular_damping * nearness * nearness;
+  for (int i = 0; i < n; ++i) {
+    const double limit = std::max(limits.speed_upper[i], 1e-3);
+    qp.H(i, i) += rate_weight / (limit * limit);
+  }
+  qp.H(n, n) += config.base_turn_weight;
+  qp.g[n] -= config.base_turn_weight * problem.base.w;
+  qp.H(n + 1, n + 1) += config.base_speed_weight;
+  qp.g[n + 1] -= config.base_speed_weight * problem.base.v;
+  qp.H(kSpeedFactor, kSpeedFactor) += config.speed_weight;
+  qp.g[kSpeedFactor] -= config.speed_weight;
+  qp.H(kSlack, kSlack) += 1.0;  // the slack is scaled by the root of its weight
+  qp.H.diagonal().array() += kRegularisation;
+}
+
+void WholeBodyController::Impl::build_bounds(const WbcProblem& problem) {
+  bounds = input_bounds(limits, *problem.q, last, problem.base_fixed);
+  qp.lower.setZero();
+  qp.upper.setZero();
+  qp.lower.head(n + 2) = bounds.lower;
+  qp.upper.head(n + 2) = bounds.upper;
+  qp.upper[kSpeedFactor] = 1.0;
+  qp.C.setZero();
+  qp.rows = 0;
+  clearance_rows = 0;
+  if (limits.base_moves) {
+    add_wheel_rows();
+  }
+  if (problem.clearance != nullptr) {
+    add_clearance_rows(problem);
+  }
+}
+
+// |v ± ω b/2| ≤ rim speed.
+void WholeBodyController::Impl::add_wheel_rows() {
+  for (const double side : {-1.0, 1.0}) {
+    for (const double sign : {-1.0, 1.0}) {
+      qp.C(qp.rows, n) = sign * side * limits.half_track;
+      qp.C(qp.rows, n + 1) = sign;
+      qp.c[qp.rows] = -limits.wheel_reach - kWheelRoom;
+      row_scale[static_cast<size_t>(qp.rows)] = limits.wheel_reach;
+      ++qp.rows;
+    }
+  }
+}
+
+// row·u - s n·v_leaf + slack ≥ least rate, one slack for all: the problem stays feasible.
+void WholeBodyController::Impl::add_clearance_rows(const WbcProblem& problem) {
+  const Vector3d hand = problem.kinematics->X_WE.translation();
+  const int count = std::clamp(problem.clearance->count, 0, kMaxClearanceRows);
+  for (int i = 0; i < count; ++i) {
+    const ClearanceRow& row = problem.clearance->rows[static_cast<size_t>(i)];
+    if (!is_usable(row, n)) {
+      continue;
+    }
+    qp.C.row(qp.rows).head(n + 2) = row.row;
+    if (row.obstacle >= 0 && row.obstacle == problem.leaf_obstacle) {
+      const Vector3d v_leaf =
+          problem.leaf_velocity_at_hand + problem.leaf_turn.cross(row.point_on_obstacle - hand);
+      qp.C(qp.rows, kSpeedFactor) = -row.normal.dot(v_leaf);
+    }
+    qp.C(qp.rows, kSlack) = scaled_slack;
+    qp.c[qp.rows] = least_rate(row, problem.clearance_config);
+    row_scale[static_cast<size_t>(qp.rows)] = kClearanceScale;
+    ++qp.rows;
+    ++clearance_rows;
+  }
+  if (clearance_rows > 0) {
+    qp.upper[kSlack] = std::numeric_limits<double>::max();
+  }
+}
+
+// The limit whose doubling would lower the cost most: multiplier times the amount by which it enters the bound.
+BindingLimit WholeBodyController::Impl::binding_limit() const {
+  BindingLimit best = BindingLimit::None;
+  double gain = 1e-4;  // below the round-off of the multipliers times any limit
+  const auto offer = [&](double multiplier, double scale, BindingLimit limit) {
+    if (multiplier * scale > gain) {
+      gain = multiplier * scale;
+      best = limit;
+    }
+  };
+  for (int i = 0; i < n + 2; ++i) {
+    const double step = limits.acceleration[i] * limits.period;
+    const auto scale = [&](BindingLimit limit) {
+      const bool acceleration = limit == BindingLimit::JointAcceleration || limit == BindingLimit::BaseAcceleration;
+      return acceleration ? step : limits.speed_upper[i];
+    };
+    const BindingLimit low = bounds.lower_limit[static_cast<size_t>(i)];
+    const BindingLimit high = bounds.upper_limit[static_cast<size_t>(i)];
+    offer(answer.lower_multiplier[i], scale(low), low);
+    offer(answer.upper_multiplier[i], scale(high), high);
+  }
+  for (int i = 0; i < qp.rows; ++i) {
+    const bool wheel = i < qp.rows - clearance_rows;
+    offer(answer.row_multiplier[i], row_scale[static_cast<size_t>(i)],
+          wheel ? BindingLimit::WheelSpeed : BindingLimit::Clearance);
+  }
+  return best;
+}
+
+void WholeBodyController::Impl::read(const WbcProblem& problem, WbcSolution& out) {
+  out.u = answer.x.head(n + 2).cwiseMax(bounds.lower).cwiseMin(bounds.upper);
+  limit_wheels(limits, out.u);
+  out.speed_factor = std::clamp(answer.x[kSpeedFactor], 0.0, 1.0);
+  out.slack = std::max(0.0, answer.x[kSlack] * scaled_slack);
+  out.binding = binding_limit();
+  const HandJacobian& J = problem.kinematics->J;
+  const Vector2d base = config.base_share * out.u.tail<2>() + (1.0 - config.base_share) * problem.measured.tail<2>();
+  const Vector3d velocity = J.topLeftCorner(3, n) * out.u.head(n) + J.topRightCorner<3, 2>() * base;
+  out.residual =
+      (velocity - out.speed_factor * problem.tangential.head<3>() - problem.correction.head<3>()).norm();
+  if (out.residual > kMissedSpeed) {
+    out.status = WbcStatus::Limited;
+  } else if (out.speed_factor < kSlowedFactor) {
+    out.status = WbcStatus::Slowed;
+  } else {
+    out.status = out.sigma_min < config.singular_onset ? WbcStatus::Damped : WbcStatus::Ok;
+  }
+}
+
+WholeBodyController::WholeBodyController(const RobotModel& model, const WbcConfig& config, double period) {
+  config.validate();
+  impl_ = std::make_unique<Impl>(model, config, period);
+}
+
+WholeBodyController::~WholeBodyController() = default;
+
+void WholeBodyController::reset() noexcept { impl_->last.setZero(); }
+
+void WholeBodyController::reset(const InputVector& last_command) noexcept {
+  const bool usable = last_command.size() == impl_->n + 2 && last_command.allFinite();
+  impl_->last = usable ? last_command : InputVector(InputVector::Zero(impl_->n + 2));
+}
+
+WbcStatus WholeBodyController::solve(const WbcProblem& problem, WbcSolution& out) noexcept {
+  Impl& impl = *impl_;
+  if (!is_usable(problem, impl.n)) {
+    brake(out);
+    return out.status = WbcStatus::Invalid;
+  }
+  out.sigma_min = arm_sigma_min(*problem.kinematics, impl.config.length);
+  impl.build_cost(problem, std::isfinite(out.sigma_min) ? out.sigma_min : 0.0);
+  impl.build_bounds(problem);
+  if (impl.solver.solve(impl.qp, impl.answer) != QpStatus::Solved) {
+    brake(out);
+    return out.status = WbcStatus::Invalid;
+  }
+  impl.read(problem, out);
+  impl.last = out.u;
+  return out.status;
+}
+
+void WholeBodyController::brake(WbcSolution& out) noexcept {
+  Impl& impl = *impl_;
+  out = WbcSolution{};
+  out.u = braked_input(impl.limits, impl.last);
+  out.status = WbcStatus::Slowed;
+  impl.last = out.u;
+}
+
+}  // namespace ajar
