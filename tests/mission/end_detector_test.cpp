@@ -1,0 +1,80 @@
+// Strategy: each verdict is produced by the force and speed history that defines it, with a control period of 2 ms;
+// neighbours (a closer, a blocked start, a clearance) must not be taken for one another.
+#include "ajar/mission/end_detector.hpp"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+namespace ajar {
+namespace {
+
+using Verdict = EndDetector::Verdict;
+
+MechanismEstimate travelled(double arc, MechanismType type = MechanismType::Unknown) {
+  MechanismEstimate estimate;
+  estimate.arc = arc;
+  estimate.type = type;
+  estimate.fitted = true;
+  return estimate;
+}
+
+// Feeds the same input until a verdict falls; returns it and the time that it took.
+std::pair<Verdict, double> hold(EndDetector& ends, const EndInput& input, const MechanismEstimate& estimate, double longest) {
+  for (double t = 0.0; t < longest; t += input.dt) {
+    const Verdict verdict = ends.step(input, estimate);
+    if (verdict != Verdict::Going) return {verdict, t};
+  }
+  return {Verdict::Going, longest};
+}
+
+TEST(EndDetector, FeelsAStopWhenForceRisesOverTheRunningForce) {
+  EndDetector ends(EndConfig{}, GoalConfig{.to_the_stop = true}, 45.0);
+  const auto [verdict, time] = hold(ends, {.speed = 0.0, .pull_force = 25.0, .running_force = 5.0}, travelled(0.3), 5.0);
+  EXPECT_EQ(verdict, Verdict::Stop);
+  EXPECT_NEAR(time, EndConfig{}.stop_time, 0.01);
+}
+
+TEST(EndDetector, DoesNotTakeAHeavyCloserForAStop) {
+  EndDetector ends(EndConfig{}, GoalConfig{.to_the_stop = true}, 45.0);
+  EXPECT_EQ(hold(ends, {.speed = 0.0, .pull_force = 43.0, .running_force = 40.0}, travelled(0.3), 10.0).first, Verdict::TooHeavy);
+}
+
+TEST(EndDetector, AStandstillNearTheStartIsBlocked) {
+  EndDetector ends(EndConfig{}, GoalConfig{}, 45.0);
+  EXPECT_EQ(hold(ends, {.speed = 0.0, .pull_force = 44.0}, travelled(0.0), 10.0).first, Verdict::Blocked);
+}
+
+TEST(EndDetector, AStandstillWithoutForceIsStalledOrHeldByAClearance) {
+  EndDetector ends(EndConfig{}, GoalConfig{}, 45.0);
+  EXPECT_EQ(hold(ends, {.speed = 0.0, .pull_force = 2.0, .running_force = 2.0}, travelled(0.2), 20.0).first, Verdict::Stalled);
+  ends.reset();
+  const EndInput held{.speed = 0.0, .pull_force = 2.0, .running_force = 2.0, .speed_factor = 0.0, .binding = BindingLimit::Clearance};
+  EXPECT_EQ(hold(ends, held, travelled(0.2), 20.0).first, Verdict::ClearanceStop);
+}
+
+TEST(EndDetector, TheGoalNeedsAKnownTypeAndWaitsForDoubt) {
+  EndDetector ends(EndConfig{}, GoalConfig{.opening_angle = 1.0}, 45.0);
+  MechanismEstimate estimate = travelled(0.8);
+  estimate.angle = 1.05;
+  EXPECT_EQ(hold(ends, {.speed = 0.1}, estimate, 1.0).first, Verdict::Going);
+  estimate.type = MechanismType::Hinge;
+  estimate.angle_sigma = 0.03;
+  EXPECT_EQ(hold(ends, {.speed = 0.1}, estimate, 1.0).first, Verdict::Going);
+  estimate.angle = 1.08;
+  EXPECT_EQ(hold(ends, {.speed = 0.1}, estimate, 1.0).first, Verdict::Goal);
+}
+
+TEST(EndDetector, ASlideReachesItsLength) {
+  EndDetector ends(EndConfig{}, GoalConfig{.opening_length = 0.4}, 45.0);
+  EXPECT_EQ(hold(ends, {.speed = 0.1}, travelled(0.39, MechanismType::Slide), 1.0).first, Verdict::Going);
+  EXPECT_EQ(hold(ends, {.speed = 0.1}, travelled(0.41, MechanismType::Slide), 1.0).first, Verdict::Goal);
+}
+
+TEST(EndDetector, MotionIsNeverAnEnd) {
+  EndDetector ends(EndConfig{}, GoalConfig{.to_the_stop = true}, 45.0);
+  EXPECT_EQ(hold(ends, {.speed = 0.05, .pull_force = 44.0, .running_force = 5.0}, travelled(0.3), 20.0).first, Verdict::Going);
+}
+
+}  // namespace
+}  // namespace ajar

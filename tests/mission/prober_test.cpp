@@ -1,0 +1,71 @@
+// Strategy: a handle on an elastic grasp that is free along one direction beyond a breakaway force, else fixed; the hand
+// follows its commanded twist exactly. Truth is the direction of the model, which the prober never sees.
+#include "ajar/mission/prober.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "ajar/core/random.hpp"
+
+namespace ajar {
+namespace {
+
+constexpr double kDt = 0.002;
+constexpr double kStiffness = 8e3;
+
+// Quasi-static: the handle slides along `free` so that the pull along it never exceeds the friction.
+struct Handle {
+  Vector3d free;
+  double friction;
+  double travel = 0.0;
+
+  Vector3d force(const Vector3d& hand) {
+    const double pull = kStiffness * (free.dot(hand) - travel);
+    if (pull > friction) travel += (pull - friction) / kStiffness;
+    if (pull < -friction && travel > 0.0) travel = std::max(0.0, travel + (pull + friction) / kStiffness);
+    return kStiffness * (hand - travel * free);
+  }
+};
+
+// Returns the angle between found and true direction, or -1 if nothing was found; adds the time to `time`.
+double probe(Handle handle, int level, double& time) {
+  Prober prober{ProbeConfig{}};
+  Pose hand = Pose::Identity();
+  prober.start(hand, level);
+  while (prober.status() == Prober::Status::Running && time < 60.0) {
+    const HandWrench wrench{.force = handle.force(hand.translation()), .torque = Vector3d::Zero()};
+    const Vector6d twist = prober.step(hand, wrench, kDt);
+    hand.translation() += kDt * twist.head<3>();
+    time += kDt;
+  }
+  if (prober.status() != Prober::Status::Found) return -1.0;
+  return std::acos(std::clamp(prober.direction().dot(handle.free), -1.0, 1.0));
+}
+
+TEST(Prober, FindsAnyFreeDirectionWithinTenSeconds) {
+  Random random(3);
+  for (int i = 0; i < 200; ++i) {
+    double time = 0.0;
+    const double error = probe({random.direction(), random.uniform(0.5, 8.0)}, 0, time);
+    ASSERT_GE(error, 0.0) << "run " << i;
+    EXPECT_LT(error, 0.7) << "run " << i;
+    EXPECT_LT(time, 10.0) << "run " << i;
+  }
+}
+
+TEST(Prober, CallsALockedHandleNothing) {
+  double time = 0.0;
+  EXPECT_EQ(probe({Vector3d::UnitX(), 1e6}, 0, time), -1.0);
+  EXPECT_LT(time, 10.0);
+}
+
+TEST(Prober, AHeavyHandleNeedsTheNextLevel) {
+  double time = 0.0;
+  EXPECT_EQ(probe({-Vector3d::UnitZ(), 26.0}, 0, time), -1.0);
+  time = 0.0;
+  EXPECT_GE(probe({-Vector3d::UnitZ(), 26.0}, 1, time), 0.0);
+}
+
+}  // namespace
+}  // namespace ajar

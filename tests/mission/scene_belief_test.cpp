@@ -1,0 +1,58 @@
+// Strategy: the believed wall and leaf are compared with the geometry of a known hinge in closed form: where the axis is, the
+// latch edge beyond the handle, a right-handed frame for every heading.
+#include "ajar/mission/scene_belief.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "ajar/core/so3.hpp"
+
+namespace ajar {
+namespace {
+
+
+TEST(SceneBelief, KeepsTheCameraNormalUntilTheFitIsSure) {
+  HandleBelief belief;
+  belief.position = Vector3d(1.0, 2.0, 1.0);
+  belief.normal = Vector3d(std::cos(0.3), std::sin(0.3), 0.0);
+  SceneBelief scene;
+  scene.reset(belief);
+  EXPECT_LT((scene.normal() - belief.normal).norm(), 1e-12);
+  MechanismEstimate unsure;
+  unsure.fitted = true;
+  unsure.arc = 0.05;
+  for (int i = 0; i < 100; ++i) scene.update(unsure, belief.position, Vector3d::Zero());
+  EXPECT_LT((scene.normal() - belief.normal).norm(), 1e-12);
+}
+
+TEST(SceneBelief, TheFitCorrectsAWrongNormal) {
+  // Hinge at +x seen from -y, handle 6 cm before the plane of the axis: the true normal is -y.
+  const double radius = 0.8;
+  const double standoff = 0.06;
+  HandleBelief belief;
+  belief.position = Vector3d(0.0, -standoff, 1.0);
+  belief.normal = exp_so3(Vector3d(0.0, 0.0, 0.17)) * Vector3d(0.0, -1.0, 0.0);
+  belief.standoff = standoff;
+  const Vector3d centre(radius, 0.0, 1.0);
+  const Vector3d k_axis = Vector3d::UnitZ();
+  const Vector3d arm0 = belief.position - centre;
+  SceneBelief scene;
+  scene.reset(belief);
+  MechanismEstimate estimate;
+  estimate.fitted = true;
+  estimate.arc = 0.3;
+  estimate.direction_sigma = 0.01;
+  estimate.curvature_sigma = 0.05;
+  estimate.type = MechanismType::Hinge;
+  const double turned = estimate.arc / arm0.norm();
+  const Vector3d arm = exp_so3(turned * k_axis) * arm0;
+  estimate.point = centre + arm;
+  estimate.curvature = k_axis / arm0.norm();
+  estimate.direction = k_axis.cross(arm).normalized();
+  for (int i = 0; i < 600; ++i) scene.update(estimate, estimate.point, turned * k_axis);
+  EXPECT_LT(std::acos(scene.normal().dot(Vector3d(0.0, -1.0, 0.0))), 0.005);
+}
+
+}  // namespace
+}  // namespace ajar
