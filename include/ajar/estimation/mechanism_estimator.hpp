@@ -3,21 +3,11 @@
 #include <memory>
 
 #include "ajar/estimation/mechanism_estimate.hpp"
+#include "ajar/estimation/pose_noise.hpp"
 
 namespace ajar {
 
-/// Measurement noise of one kind of pose source, and how fast the model may drift. (docs/equations.md#estimator)
-struct PoseNoise {
-  double position_white = 0.3e-3;      ///< Per sample [m]
-  double position_correlated = 0.5e-3; ///< [m]
-  double rotation_white = 0.0017;      ///< Per sample [rad]
-  double rotation_correlated = 0.0035; ///< [rad]
-  double correlation_length = 0.05;    ///< Of arc [m]
-  double position_walk = 0.0;          ///< Variance per metre of base travel [m²/m]
-  double rotation_walk = 0.0;          ///< Variance per metre of base travel [rad²/m]
-  bool operator==(const PoseNoise&) const = default;
-};
-
+/// Set-up of the estimator: noise of the hand pose, adaptive law of the first centimetres, type decision.
 struct EstimatorConfig {
   PoseNoise noise;
   double grasp_stiffness = 1e4;         ///< K_c of the elastic correction p - f/K_c [N/m]
@@ -30,6 +20,7 @@ struct EstimatorConfig {
   double hinge_curvature = 0.5;         ///< k_min of the type decision [1/m]
   double type_threshold = 15.0;         ///< T of the type decision [-]
   double relative_curvature_floor = 0.1;///< Furniture is no circle: σ_k ≥ this · |k| [-]
+  bool use_rotation = true;             ///< False: the grip is known to pivot, positions only
   bool operator==(const EstimatorConfig&) const = default;
   /// @throws ConfigError
   void validate() const;

@@ -1,0 +1,25 @@
+#pragma once
+
+#include "ajar/core/types.hpp"
+#include "ajar/estimation/mechanism_estimate.hpp"
+
+namespace ajar {
+
+/// Thresholds of the type decision. (docs/equations.md#estimator)
+struct TypeThresholds {
+  double slide_curvature = 0.05;  ///< k_s: what a slide may curve [1/m]
+  double hinge_curvature = 0.5;   ///< k_min: what a hinge curves at least [1/m]
+  double threshold = 15.0;        ///< T: difference of the squared distances that decides [-]
+};
+
+/// Decides between hinge and slide by the distance of the curvature from either.
+///
+/// D_s = kapᵀ (C + k_s² I)⁻¹ kap, D_h = max(0, k_min - |kap|)²/(uᵀ C u), u = kap/|kap|; hinge if D_s - D_h > T, slide if
+/// D_h - D_s > T, otherwise unknown (docs/equations.md#estimator)
+///
+/// @param kap  Curvature across the motion, shape (2) [1/m]
+/// @param C    Its covariance, model floor included, shape (2, 2) [1/m²]
+/// @return Unknown for values that are not finite or a covariance that is not positive
+[[nodiscard]] MechanismType decide_type(const Vector2d& kap, const Eigen::Matrix2d& C, const TypeThresholds& thresholds) noexcept;
+
+}  // namespace ajar
