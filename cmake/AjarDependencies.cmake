@@ -7,6 +7,7 @@ endforeach()
 find_package(Eigen3 3.4 REQUIRED NO_MODULE)
 find_package(coal 3 REQUIRED)
 find_package(pinocchio 4 REQUIRED)
+find_package(console_bridge REQUIRED)  # the URDF parser reports its errors through it
 find_package(eiquadprog REQUIRED)
 find_package(MuJoCo 4 REQUIRED)
 find_package(tomlplusplus REQUIRED)

@@ -51,6 +51,7 @@ struct ClearanceResult {
 /// Distances of the robot to itself and to boxes that it believes in, by Coal.
 class ClearanceChecker {
  public:
+  /// @throws ConfigError  naming the limit, its value and its range
   ClearanceChecker(const RobotModel& model, const ClearanceConfig& config);
   ClearanceChecker(const ClearanceChecker& other);
   ClearanceChecker& operator=(const ClearanceChecker&) = delete;
@@ -62,7 +63,7 @@ class ClearanceChecker {
   /// Removes an obstacle.
   void clear_obstacle(int index) noexcept;
 
-  /// Evaluates all pairs. Needs model.compute(base, q) to have been called on the given model just before.
+  /// Evaluates all pairs. Non-finite inputs: no rows and all smallest distances 0, the cautious reading. Needs model.compute(base, q) to have been called on the given model just before.
   /// No allocation, no exception, bounded time.
   void compute(const RobotModel& model, const BasePose& base, ClearanceResult& out) noexcept;
 

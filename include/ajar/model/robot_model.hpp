@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -27,6 +28,8 @@ struct RobotLimits {
 };
 
 /// One collision body: a capsule or a box, fixed to a moving part.
+/// A URDF cylinder is read as the capsule of the same segment (its length = distance of the capsule's end points), a sphere as
+/// a capsule of length zero.
 struct CollisionShape {
   enum class Kind { Capsule, Box };
   Kind kind = Kind::Capsule;
@@ -46,6 +49,7 @@ struct Kinematics {
   HandJacobian J;                               ///< Hand Jacobian, shape (6, n + 2) (docs/equations.md#jacobian)
   double distance = 0.0;                        ///< Planar distance hand - wheel axle (docs/equations.md#distance) [m]
   InputRow distance_jacobian;                   ///< d(distance)/dt = J_d u, shape (1, n + 2)
+  bool valid = false;                           ///< False: an input was not finite; J and J_d are zero, the poses are kept
 };
 
 /// Kinematics, limits and collision shapes of base + arm + tool. Copies share nothing that changes: one copy per thread.
@@ -77,9 +81,14 @@ class RobotModel {
   [[nodiscard]] const std::filesystem::path& urdf_path() const noexcept;
   [[nodiscard]] const std::string& hand_frame() const noexcept;
   [[nodiscard]] const std::string& sensor_frame() const noexcept;
+  /// Pairs of indices in shapes() whose distance is never looked at: the robot's own list in its TOML file.
+  [[nodiscard]] const std::vector<std::array<int, 2>>& unchecked_pairs() const noexcept;
 
-  /// Evaluates hand, sensor, Jacobian and distance. No allocation, no exception, bounded time; not thread-safe on one object.
+  /// Evaluates hand, sensor, Jacobian and distance. Non-finite inputs: `out.valid` is false and the Jacobians are zero. No allocation, no exception, bounded time; not thread-safe on one object.
   void compute(const BasePose& base, const JointVector& q, Kinematics& out) const noexcept;
+
+  /// False until the last compute() had finite inputs; joint_pose() and point_jacobian() then speak of an older posture.
+  [[nodiscard]] bool evaluated() const noexcept;
 
   /// Poses of the joint frames in the world, from the same evaluation as the last compute(); index -1 is the base.
   [[nodiscard]] Pose joint_pose(int joint, const BasePose& base) const noexcept;
@@ -89,12 +98,13 @@ class RobotModel {
                       Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, kMaxInputs>& out) const noexcept;
 
   /// Finds joint positions that bring the hand to a pose (damped Newton). Set-up and planning only.
-  /// @return true when position and rotation error fall below 1e-5
+  /// Joints that can turn freely are wrapped to (-π, π] where their limits allow it; on failure q is left as it was.
+  /// @return true when position [m] and rotation [rad] error fall below 1e-5 with all joints inside their limits
   [[nodiscard]] bool solve_ik(const BasePose& base, const Pose& X_WE, JointVector& q, int iterations = 60) const;
 
  private:
   struct Impl;
-  RobotModel();
+  explicit RobotModel(std::unique_ptr<Impl> impl);
   std::unique_ptr<Impl> impl_;
 };
 

@@ -1,0 +1,330 @@
+// The only source that sees Coal.
+#include "ajar/model/clearance.hpp"
+
+#include <coal/shape/geometric_shapes.h>
+// A switch in Coal's header sets the distance in every case, which GCC cannot see once it is inlined here.
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
+#include <coal/narrowphase/narrowphase.h>
+#pragma GCC diagnostic pop
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "ajar/core/error.hpp"
+
+namespace ajar {
+namespace {
+
+using PointJacobian = Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, kMaxInputs>;
+
+// A collision body with both of Coal's shapes ready, of which `kind` says the one that is meant.
+struct Body {
+  CollisionShape::Kind kind = CollisionShape::Kind::Capsule;
+  int shape = -1;                      // index in RobotModel::shapes(), -1 for an obstacle
+  int joint = -1;                      // arm joint that moves it, -1 = the base
+  Pose pose_in_joint = Pose::Identity();
+  Vector3d half_extents = Vector3d::Zero();  // box that encloses it, own axes [m]
+  double reach = 0.0;                  // radius of the sphere that encloses it [m]
+  coal::Capsule capsule{0.1, 0.1};
+  coal::Box box{0.1, 0.1, 0.1};
+  Pose pose = Pose::Identity();        // world
+  coal::Transform3s placed;            // the same for Coal
+
+  void place(const Pose& X) {
+    pose = X;
+    placed.setRotation(X.linear());
+    placed.setTranslation(X.translation());
+  }
+};
+
+Body make_body(const CollisionShape& shape, int index) {
+  Body body;
+  body.kind = shape.kind;
+  body.shape = index;
+  body.joint = shape.joint;
+  body.pose_in_joint = shape.pose_in_joint;
+  if (shape.kind == CollisionShape::Kind::Box) {
+    body.half_extents = shape.half_extents;
+    body.box = coal::Box(2.0 * shape.half_extents);
+    body.reach = shape.half_extents.norm();
+  } else {
+    body.half_extents = Vector3d(shape.radius, shape.radius, shape.radius + shape.half_length);
+    body.capsule = coal::Capsule(shape.radius, 2.0 * shape.half_length);
+    body.reach = shape.radius + shape.half_length;
+  }
+  return body;
+}
+
+// A lower bound of the distance: the point of `other`'s enclosing box nearest to the enclosing sphere of `body`.
+double least_distance(const Body& body, const Body& other) {
+  const Vector3d centre = other.pose.linear().transpose() * (body.pose.translation() - other.pose.translation());
+  const Vector3d outside = (centre.cwiseAbs() - other.half_extents).cwiseMax(0.0);
+  return outside.norm() - body.reach;
+}
+
+// What one pair says, before rows are made of it.
+struct Found {
+  double reserve = 0.0;   // distance - stop [m]
+  double distance = 0.0;  // [m]
+  ClearanceKind kind = ClearanceKind::Self;
+  const Body* body = nullptr;
+  const Body* other = nullptr;
+  int obstacle = -1;
+  Vector3d on_body = Vector3d::Zero();   // nearest points, world [m]
+  Vector3d on_other = Vector3d::Zero();
+  Vector3d normal = Vector3d::UnitZ();   // from other to body, unit, world
+};
+
+// The kMaxClearanceRows pairs with the least reserve, in order.
+class Shortlist {
+ public:
+  void add(const Found& found) {
+    if (count_ == kMaxClearanceRows && found.reserve >= items_[kMaxClearanceRows - 1].reserve) {
+      return;
+    }
+    int place = count_ < kMaxClearanceRows ? count_++ : kMaxClearanceRows - 1;
+    for (; place > 0 && items_[static_cast<std::size_t>(place - 1)].reserve > found.reserve; --place) {
+      items_[static_cast<std::size_t>(place)] = items_[static_cast<std::size_t>(place - 1)];
+    }
+    items_[static_cast<std::size_t>(place)] = found;
+  }
+  void clear() { count_ = 0; }
+  [[nodiscard]] int count() const { return count_; }
+  [[nodiscard]] const Found& operator[](int i) const { return items_[static_cast<std::size_t>(i)]; }
+
+ private:
+  std::array<Found, kMaxClearanceRows> items_;
+  int count_ = 0;
+};
+
+void validate(const ClearanceLimits& limits, const std::string& name) {
+  if (!(limits.influence > 0.0) || !std::isfinite(limits.influence)) {
+    throw ConfigError("clearance." + name + ".influence: " + std::to_string(limits.influence) + "; allowed: > 0 [m]");
+  }
+  if (!(limits.stop >= 0.0) || !(limits.stop < limits.influence)) {
+    throw ConfigError("clearance." + name + ".stop: " + std::to_string(limits.stop) + "; allowed: 0 to influence [m]");
+  }
+  if (!(limits.rate > 0.0) || !std::isfinite(limits.rate)) {
+    throw ConfigError("clearance." + name + ".rate: " + std::to_string(limits.rate) + "; allowed: > 0 [1/s]");
+  }
+}
+
+}  // namespace
+
+struct ClearanceChecker::Impl {
+  struct Pair {
+    int body, other;  // indices in bodies
+  };
+  struct Obstacle {
+    bool active = false;
+    bool near_hand = false;
+    Body body;
+  };
+
+  ClearanceConfig config;
+  bool fixed_base = false;
+  int last_joint = 0;
+  std::vector<Body> bodies;
+  std::vector<Pair> self_pairs;
+  std::array<Obstacle, kMaxObstacles> obstacles;
+  coal::GJKSolver solver;
+  Shortlist shortlist;
+  PointJacobian J_body, J_other;
+
+  Impl(const RobotModel& model, const ClearanceConfig& c);
+  void find_self_pairs(const RobotModel& model);
+  void warm_up();
+  [[nodiscard]] const ClearanceLimits& limits(ClearanceKind kind) const;
+  bool place_robot(const RobotModel& model, const BasePose& base);
+  double measure(Found& found);
+  void look(const Body& body, const Body& other, ClearanceKind kind, int obstacle, ClearanceResult& out);
+  void write_row(const RobotModel& model, const BasePose& base, const Found& found, ClearanceRow& out);
+};
+
+ClearanceChecker::Impl::Impl(const RobotModel& model, const ClearanceConfig& c)
+    : config(c), fixed_base(model.base_type() == BaseType::Fixed), last_joint(model.joints() - 1) {
+  validate(config.self, "self");
+  validate(config.arm_world, "arm_world");
+  validate(config.base_world, "base_world");
+  for (std::size_t i = 0; i < model.shapes().size(); ++i) {
+    bodies.push_back(make_body(model.shapes()[i], static_cast<int>(i)));
+  }
+  find_self_pairs(model);
+  warm_up();
+}
+
+// Own body: the upper arm and everything beyond against the boxes of the base (the first link always sits on its mount), and
+// arm bodies at least two joints apart against each other.
+void ClearanceChecker::Impl::find_self_pairs(const RobotModel& model) {
+  const auto unchecked = [&](int a, int b) {
+    return std::any_of(model.unchecked_pairs().begin(), model.unchecked_pairs().end(), [&](const std::array<int, 2>& pair) {
+      return (pair[0] == a && pair[1] == b) || (pair[0] == b && pair[1] == a);
+    });
+  };
+  for (int a = 0; a < static_cast<int>(bodies.size()); ++a) {
+    for (int b = 0; b < static_cast<int>(bodies.size()); ++b) {
+      const Body& body = bodies[static_cast<std::size_t>(a)];
+      const Body& other = bodies[static_cast<std::size_t>(b)];
+      const bool on_base = other.joint < 0 && other.kind == CollisionShape::Kind::Box && body.joint >= 1;
+      const bool on_arm = other.joint >= 0 && body.joint - other.joint >= 2;
+      if ((on_base || on_arm) && !unchecked(a, b)) {
+        self_pairs.push_back({a, b});
+      }
+    }
+  }
+}
+
+// Coal reserves the memory of its penetration algorithm at first use; the loop must not be the first.
+void ClearanceChecker::Impl::warm_up() {
+  Body capsule;
+  Body box;
+  box.kind = CollisionShape::Kind::Box;
+  Found found;
+  found.other = &box;
+  for (const Body* body : {&capsule, &box}) {
+    found.body = body;
+    measure(found);
+  }
+}
+
+const ClearanceLimits& ClearanceChecker::Impl::limits(ClearanceKind kind) const {
+  return kind == ClearanceKind::Self ? config.self : kind == ClearanceKind::ArmWorld ? config.arm_world : config.base_world;
+}
+
+bool ClearanceChecker::Impl::place_robot(const RobotModel& model, const BasePose& base) {
+  std::array<Pose, kMaxJoints + 1> X_WJ;  // the base first
+  for (int j = -1; j <= last_joint; ++j) {
+    Pose& X = X_WJ[static_cast<std::size_t>(j + 1)];
+    X = model.joint_pose(j, base);
+    if (!std::isfinite(X.translation().sum() + X.linear().sum())) {
+      return false;
+    }
+  }
+  for (Body& body : bodies) {
+    body.place(X_WJ[static_cast<std::size_t>(body.joint + 1)] * body.pose_in_joint);
+  }
+  return true;
+}
+
+// Signed distance and nearest points of the pair; the normal is kept usable when the cores just touch.
+double ClearanceChecker::Impl::measure(Found& found) {
+  const Body& a = *found.body;
+  const Body& b = *found.other;
+  const bool box_a = a.kind == CollisionShape::Kind::Box;
+  const bool box_b = b.kind == CollisionShape::Kind::Box;
+  coal::Vec3s towards_other = coal::Vec3s::Zero();
+  const auto run = [&](const auto& s, const auto& t) {
+    return solver.shapeDistance(s, a.placed, t, b.placed, true, found.on_body, found.on_other, towards_other);
+  };
+  found.distance = box_a ? (box_b ? run(a.box, b.box) : run(a.box, b.capsule)) : (box_b ? run(a.capsule, b.box) : run(a.capsule, b.capsule));
+  found.normal = -towards_other;
+  if (!found.normal.allFinite() || found.normal.squaredNorm() < 0.25 || !found.on_body.allFinite() || !found.on_other.allFinite()) {
+    const Vector3d apart = a.pose.translation() - b.pose.translation();
+    found.normal = apart.norm() > 1e-9 ? Vector3d(apart.normalized()) : Vector3d(Vector3d::UnitZ());
+    found.on_body = a.pose.translation();
+    found.on_other = b.pose.translation();
+    found.distance = std::isfinite(found.distance) ? found.distance : 0.0;
+  }
+  return found.distance;
+}
+
+void ClearanceChecker::Impl::look(const Body& body, const Body& other, ClearanceKind kind, int obstacle, ClearanceResult& out) {
+  const ClearanceLimits& limit = limits(kind);
+  if (least_distance(body, other) > limit.influence) {
+    return;
+  }
+  Found found;
+  found.kind = kind;
+  found.body = &body;
+  found.other = &other;
+  found.obstacle = obstacle;
+  if (measure(found) > limit.influence) {
+    return;
+  }
+  found.reserve = found.distance - limit.stop;
+  double& smallest = out.smallest[static_cast<std::size_t>(kind)];
+  smallest = std::min(smallest, found.distance);
+  if (!(fixed_base && kind == ClearanceKind::BaseWorld)) {  // nothing can be done about it: no row
+    shortlist.add(found);
+  }
+}
+
+void ClearanceChecker::Impl::write_row(const RobotModel& model, const BasePose& base, const Found& found, ClearanceRow& out) {
+  model.point_jacobian(found.body->joint, found.on_body, base, J_body);
+  out.row.noalias() = found.normal.transpose() * J_body;  // (1, n + 2)
+  if (found.kind == ClearanceKind::Self) {
+    if (found.other->joint >= 0) {
+      model.point_jacobian(found.other->joint, found.on_other, base, J_other);
+      out.row.noalias() -= found.normal.transpose() * J_other;
+    }
+    out.row.tail<2>().setZero();  // both bodies ride on the base
+  }
+  out.distance = found.distance;
+  out.kind = found.kind;
+  out.obstacle = found.obstacle;
+  out.shape = found.body->shape;
+  out.normal = found.normal;
+  out.point_on_obstacle = found.on_other;
+}
+
+ClearanceChecker::ClearanceChecker(const RobotModel& model, const ClearanceConfig& config)
+    : impl_(std::make_unique<Impl>(model, config)) {}
+ClearanceChecker::ClearanceChecker(const ClearanceChecker& other) : impl_(std::make_unique<Impl>(*other.impl_)) {
+  impl_->warm_up();
+}
+ClearanceChecker::~ClearanceChecker() = default;
+
+void ClearanceChecker::set_obstacle(int index, const Box& box, bool near_hand) noexcept {
+  if (index < 0 || index >= kMaxObstacles) {
+    return;
+  }
+  Impl::Obstacle& obstacle = impl_->obstacles[static_cast<std::size_t>(index)];
+  obstacle.active = box.pose.matrix().allFinite() && box.half_extents.allFinite() && box.half_extents.minCoeff() > 0.0;
+  obstacle.near_hand = near_hand;
+  obstacle.body.kind = CollisionShape::Kind::Box;
+  obstacle.body.half_extents = box.half_extents;
+  obstacle.body.reach = box.half_extents.norm();
+  obstacle.body.box.halfSide = box.half_extents;
+  obstacle.body.place(box.pose);
+}
+
+void ClearanceChecker::clear_obstacle(int index) noexcept {
+  if (index >= 0 && index < kMaxObstacles) {
+    impl_->obstacles[static_cast<std::size_t>(index)].active = false;
+  }
+}
+
+void ClearanceChecker::compute(const RobotModel& model, const BasePose& base, ClearanceResult& out) noexcept {
+  Impl& m = *impl_;
+  out.count = 0;
+  out.smallest.fill(std::numeric_limits<double>::infinity());
+  if (!model.evaluated() || !m.place_robot(model, base)) {
+    out.smallest.fill(0.0);
+    return;
+  }
+  m.shortlist.clear();
+  for (const Impl::Pair& pair : m.self_pairs) {
+    m.look(m.bodies[static_cast<std::size_t>(pair.body)], m.bodies[static_cast<std::size_t>(pair.other)], ClearanceKind::Self, -1, out);
+  }
+  for (int i = 0; i < kMaxObstacles; ++i) {
+    const Impl::Obstacle& obstacle = m.obstacles[static_cast<std::size_t>(i)];
+    if (!obstacle.active) {
+      continue;
+    }
+    for (const Body& body : m.bodies) {
+      if (!(obstacle.near_hand && body.joint == m.last_joint)) {
+        m.look(body, obstacle.body, body.joint < 0 ? ClearanceKind::BaseWorld : ClearanceKind::ArmWorld, i, out);
+      }
+    }
+  }
+  for (; out.count < m.shortlist.count(); ++out.count) {
+    m.write_row(model, base, m.shortlist[out.count], out.rows[static_cast<std::size_t>(out.count)]);
+  }
+}
+
+}  // namespace ajar
