@@ -1,0 +1,87 @@
+#include "ajar/planning/hypotheses.hpp"
+
+#include <cmath>
+
+#include "ajar/core/so3.hpp"
+
+namespace ajar {
+
+namespace {
+
+// A bar counts as upright or level when its vertical part is above or below sin 45 degrees.
+constexpr double kUpright = 0.7071;
+// Below this curvature the chord formulas lose digits; the arc is then straight to 1e-9 m per metre [1/m].
+constexpr double kStraight = 1e-9;
+
+/// Turning about an axis through a point that lies `radius` along `towards` from the handle's foot on the leaf.
+MechanismHypothesis turning(const HandleBelief& belief, const Vector3d& n, const Vector3d& towards, double radius, double angle) {
+  MechanismHypothesis out;
+  // From the axis to the grip: the grip stands `standoff` in front of the leaf that holds the axis.
+  const Vector3d arm = belief.standoff * n - radius * towards;
+  const Vector3d axis = (-radius * towards).cross(n).normalized();  // turns the leaf towards the robot
+  out.direction = axis.cross(arm).normalized();
+  out.curvature = axis / arm.norm();
+  out.travel = angle * arm.norm();
+  return out;
+}
+
+MechanismHypothesis sliding(const Vector3d& direction, double travel) {
+  MechanismHypothesis out;
+  out.direction = direction;
+  out.travel = travel;
+  return out;
+}
+
+}  // namespace
+
+// p(s) = sin(κs)/κ x + (1 - cos κs)/κ² k × x
+HypothesisPoint point_at(const MechanismHypothesis& hypothesis, double arc) noexcept {
+  HypothesisPoint out;
+  const Vector3d& x = hypothesis.direction;
+  const Vector3d& k = hypothesis.curvature;
+  const double kappa = k.norm();
+  if (kappa < kStraight) {
+    out.shift = arc * x;
+    out.direction = x;
+    return out;
+  }
+  const double angle = kappa * arc;
+  const Vector3d across = k.cross(x);
+  out.shift = std::sin(angle) / kappa * x + (1.0 - std::cos(angle)) / (kappa * kappa) * across;
+  out.direction = std::cos(angle) * x + std::sin(angle) / kappa * across;
+  out.turned = arc * k;
+  return out;
+}
+
+std::vector<MechanismHypothesis> make_hypotheses(const HandleBelief& belief, const PlannerConfig& config) {
+  const Vector3d n = Vector3d(belief.normal.x(), belief.normal.y(), 0.0).normalized();
+  const Vector3d side = Vector3d::UnitZ().cross(n);
+  const bool knob = belief.bar.norm() < 0.5;
+  const bool upright = !knob && std::abs(belief.bar.z()) > kUpright;
+  std::vector<MechanismHypothesis> out;
+  const auto add = [&](MechanismHypothesis hypothesis, const std::string& name) {
+    hypothesis.name = name;
+    out.push_back(std::move(hypothesis));
+  };
+  for (const double radius : config.hinge_radii) {
+    for (const double sign : {1.0, -1.0}) {
+      add(turning(belief, n, sign * side, radius, config.hinge_angle),
+          std::string("hinge on the ") + (sign > 0.0 ? "right, " : "left, ") + std::to_string(radius) + " m");
+    }
+  }
+  add(sliding(n, config.drawer_travel), "drawer");
+  if (upright) {
+    for (const double sign : {1.0, -1.0}) {
+      add(sliding(sign * side, config.sliding_travel), std::string("sliding to the ") + (sign > 0.0 ? "right" : "left"));
+    }
+  }
+  if (!knob && !upright) {
+    MechanismHypothesis flap = turning(belief, n, -Vector3d::UnitZ(), config.flap_radius, config.hinge_angle);
+    flap.free_axis = belief.bar.normalized();
+    flap.soft = true;
+    add(std::move(flap), "flap");
+  }
+  return out;
+}
+
+}  // namespace ajar

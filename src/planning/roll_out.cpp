@@ -1,0 +1,312 @@
+#include "ajar/planning/roll_out.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+
+#include "ajar/core/so3.hpp"
+
+namespace ajar {
+
+namespace {
+
+// Indices of the believed obstacles, as the loop places them.
+constexpr int kWall = 0;
+constexpr int kLeaf = 1;
+
+// Values above this are all good: the damping of the controller starts at 0.08.
+constexpr double kBestSigma = 0.12;
+// Distances below which a roll-out loses value, and by how much per metre: 1 cm short costs a third of a good value.
+constexpr double kWantedOwn = 0.02;
+constexpr double kWantedArm = 0.03;
+constexpr double kWantedBase = 0.05;
+constexpr double kShortfallPrice = 4.0;
+// Travel and tracking that count as complete.
+constexpr double kWholeTravel = 0.99;
+constexpr double kTrackingAllowance = 0.02;  // [m]
+// A flap may be out of reach for low handles: its value is squeezed so that it cannot rule alone.
+constexpr double kSoftOffset = 0.06;
+constexpr double kSoftShare = 0.5;
+
+// The loop's own gating of base and speed by arc and lag (docs/equations.md#confidence, #speed-law).
+constexpr double kStartSpeed = 0.02;      // [m/s]
+constexpr double kArcBegin = 0.015;       // [m]
+constexpr double kArcFull = 0.06;         // [m]
+constexpr double kLagFree = 0.06;         // [m]
+constexpr double kLagFull = 0.16;         // [m]
+constexpr double kLeastGate = 0.2;
+// The estimator knows type and leaf only after this arc [m].
+constexpr double kKindArc = 0.10;
+// Farther from the path than this the grasp would be lost [m].
+constexpr double kLostError = 0.06;
+// A standstill this long ends a roll-out [s].
+constexpr double kStallTime = 1.5;
+constexpr double kStallSpeed = 0.004;     // [m/s]
+constexpr double kPathGain = 2.0;         // of the roll-out's path error, in place of the force law [1/s]
+// A free grip is brought weakly to where it hinders least (as the loop does).
+constexpr double kPivotCentring = 0.3;    // [1/s]
+constexpr double kFlapTurn = 0.6;         // [rad]
+// Screening: longer steps, damping of the Newton step, clearances at every second one.
+constexpr double kScreenFactor = 2.5;
+constexpr double kScreenDamping = 1e-4;
+constexpr int kScreenClearance = 2;
+// Slower than this share of the wanted speed the arm is at the end of its reach.
+constexpr double kScreenStuck = 0.1;
+
+// Leaf box: from the axis to beyond the handle [m].
+constexpr double kLatchEdge = 0.09;
+constexpr double kHingeRoom = 0.05;
+constexpr double kFront = 0.02;
+constexpr double kWallThickness = 0.3;
+
+// Axes (to the right as the robot sees it, into the wall, up): right-handed for every horizontal normal.
+Matrix3d leaf_axes(const Vector3d& normal) {
+  Matrix3d R;
+  R.col(0) = Vector3d(-normal.y(), normal.x(), 0.0).normalized();
+  R.col(1) = -Vector3d(normal.x(), normal.y(), 0.0).normalized();
+  R.col(2) = R.col(0).cross(R.col(1));
+  return R;
+}
+
+WbcConfig roll_out_limits(WbcConfig config) {
+  config.base_share = 1.0;  // the model's base does what it is told, without lag
+  return config;
+}
+
+}  // namespace
+
+/// State of one roll-out.
+struct RollOut::Motion {
+  BasePose base;
+  JointVector q;
+  BaseTwist twist;
+  Vector3d p0 = Vector3d::Zero();
+  Matrix3d R0 = Matrix3d::Identity();
+  double arc = 0.0;
+  double speed = 0.0;     // wanted along the path [m/s]
+  double measured = 0.0;  // reached along the path [m/s]
+  double lag = 0.0;
+  double confidence = 0.0;
+};
+
+double roll_out_value(const RollOutResult& result, bool soft) noexcept {
+  const double shortfall = std::max(0.0, kWantedOwn - result.own) + std::max(0.0, kWantedArm - result.arm) +
+                           std::max(0.0, kWantedBase - result.base);
+  const double value = std::min(result.sigma, kBestSigma) - kShortfallPrice * shortfall +
+                       std::min(0.0, result.fraction - kWholeTravel) - std::max(0.0, result.error - kTrackingAllowance);
+  return soft ? kSoftOffset + kSoftShare * value : value;
+}
+
+Box believed_wall(const HandleBelief& belief) {
+  Box wall;
+  wall.half_extents = Vector3d(2.5, 0.5 * kWallThickness, 1.5);
+  wall.pose.linear() = leaf_axes(belief.normal);
+  wall.pose.translation() =
+      belief.position + (belief.standoff - kFront + 0.5 * kWallThickness) * wall.pose.linear().col(1);
+  wall.pose.translation().z() = 1.5;
+  return wall;
+}
+
+RollOut::RollOut(const RobotModel& model, const PlannerConfig& config, const WbcConfig& wbc, const BaseLawConfig& base_law,
+                 const ClearanceConfig& clearance)
+    : model_(model),
+      config_(config),
+      wbc_(roll_out_limits(wbc)),
+      base_law_(base_law),
+      controller_(model, wbc_, config.step),
+      clearance_(model, clearance) {}
+
+void RollOut::place_leaf(const HandleBelief& belief, const MechanismHypothesis& hypothesis, const HypothesisPoint& point,
+                         double arc) {
+  const Matrix3d R_closed = leaf_axes(belief.normal);
+  const Matrix3d R = exp_so3(point.turned) * R_closed;
+  const Vector3d foot = belief.position + point.shift + belief.standoff * R.col(1);
+  Box leaf;
+  leaf.pose.linear() = R;
+  leaf.half_extents = Vector3d(0.25, 0.01, 0.10);
+  leaf.pose.translation() = foot + 0.01 * R.col(1);
+  const double kappa = hypothesis.curvature.norm();
+  if (arc > kKindArc && kappa > 0.0) {
+    const bool upright = std::abs(hypothesis.curvature.z()) > 0.7 * kappa;
+    const Vector3d along = upright ? R.col(0) : R.col(2);
+    const Vector3d centre = belief.position + hypothesis.curvature.cross(hypothesis.direction) / (kappa * kappa);
+    const double reach = std::clamp((centre - foot).dot(along), -1.1, 1.1);
+    const double near_axis = reach - std::copysign(std::min(kHingeRoom, std::abs(reach)), reach);
+    const double beyond = -std::copysign(kLatchEdge, reach);
+    const double half = 0.5 * std::abs(near_axis - beyond);
+    leaf.pose.translation() = foot + 0.5 * (near_axis + beyond) * along;
+    leaf.half_extents = upright ? Vector3d(half, 0.02, 1.0) : Vector3d(0.3, 0.02, half);
+    if (upright) leaf.pose.translation().z() = 1.0;
+  }
+  clearance_.set_obstacle(kLeaf, leaf, true);
+}
+
+void RollOut::note_clearances(RollOutResult& result) const noexcept {
+  result.own = std::min(result.own, clearances_.smallest[0]);
+  result.arm = std::min(result.arm, clearances_.smallest[1]);
+  result.base = std::min(result.base, clearances_.smallest[2]);
+}
+
+RollOutResult RollOut::look(const HandleBelief& belief, const BasePose& base, const JointVector& q) {
+  RollOutResult result;
+  clearance_.set_obstacle(kWall, believed_wall(belief), true);
+  clearance_.clear_obstacle(kLeaf);
+  model_.compute(base, q, kinematics_);
+  clearance_.compute(model_, base, clearances_);
+  note_clearances(result);
+  result.sigma = arm_sigma_min(kinematics_, wbc_.length);
+  return result;
+}
+
+BaseTwist RollOut::base_twist(BaseLaw& law, const MechanismHypothesis& hypothesis, Motion& motion, double dt) const {
+  const HypothesisPoint point = point_at(hypothesis, motion.arc);
+  motion.confidence = std::clamp((motion.arc - kArcBegin) / (kArcFull - kArcBegin), 0.0, 1.0);
+  const double gate = std::clamp((kLagFull - motion.lag) / (kLagFull - kLagFree), kLeastGate, 1.0);
+  motion.speed = kStartSpeed + (config_.speed - kStartSpeed) * motion.confidence * gate;
+  const Vector3d curvature = motion.arc > kArcFull ? hypothesis.curvature : Vector3d(Vector3d::Zero());
+  const BaseLawOutput out = law.step({.dt = dt, .base = motion.base, .hand = motion.p0 + point.shift, .direction = point.direction,
+                                      .curvature = curvature, .wanted_speed = motion.speed, .measured_speed = motion.measured,
+                                      .confidence = motion.confidence});
+  motion.lag = out.lag;
+  return out.twist;
+}
+
+// Position and rotation that are missing; about a free axis only a gentle turn is asked for.
+Vector6d RollOut::pose_error(const MechanismHypothesis& hypothesis, const Motion& motion, const HypothesisPoint& point) const {
+  const Matrix3d& R = kinematics_.X_WE.linear();
+  Vector6d error;
+  error.head<3>() = motion.p0 + point.shift - kinematics_.X_WE.translation();
+  error.tail<3>() = log_so3(exp_so3(point.turned) * motion.R0 * R.transpose());
+  if (hypothesis.free_axis.squaredNorm() > 0.0) {
+    const Vector3d axis = R * motion.R0.transpose() * hypothesis.free_axis;
+    error.tail<3>() -= axis * axis.dot(error.tail<3>());
+  }
+  return error;
+}
+
+RollOut::Motion RollOut::begin(const HandleBelief& belief, const BasePose& base, const JointVector& q) {
+  clearance_.set_obstacle(kWall, believed_wall(belief), true);
+  model_.compute(base, q, kinematics_);
+  Motion motion;
+  motion.base = base;
+  motion.q = q;
+  motion.p0 = kinematics_.X_WE.translation();
+  motion.R0 = kinematics_.X_WE.linear();
+  return motion;
+}
+
+void RollOut::pose_problem(const MechanismHypothesis& hypothesis, const Motion& motion, const HypothesisPoint& point,
+                           WbcProblem& problem) const {
+  problem.base_fixed = motion.confidence <= 0.0;
+  problem.q = &motion.q;
+  problem.tangential << motion.speed * point.direction, motion.speed * hypothesis.curvature;
+  problem.leaf_velocity_at_hand = motion.speed * point.direction;
+  problem.leaf_turn = motion.speed * hypothesis.curvature;
+  if (hypothesis.free_axis.squaredNorm() == 0.0) return;
+  const Matrix3d turned = kinematics_.X_WE.linear() * motion.R0.transpose();
+  problem.free_axis = turned * hypothesis.free_axis;
+  const double wanted = std::clamp(-0.5 * point.turned.dot(problem.free_axis), -kFlapTurn, kFlapTurn);
+  problem.free_axis_rate = kPivotCentring * (wanted - log_so3(turned).dot(problem.free_axis));
+}
+
+RollOutResult RollOut::run(const HandleBelief& belief, const MechanismHypothesis& hypothesis, const BasePose& base,
+                           const JointVector& q, double enough) {
+  const double dt = config_.step;
+  const int n = model_.joints();
+  RollOutResult result;
+  result.fraction = 1.0;  // while it runs: nothing lost yet
+  Motion motion = begin(belief, base, q);
+  BaseLaw law(base_law_);
+  law.reset(base, motion.p0);
+  controller_.reset();
+  WbcSolution solution;
+  WbcProblem problem;
+  problem.measured = InputVector::Zero(model_.inputs());
+  problem.leaf_obstacle = kLeaf;
+  problem.clearance = &clearances_;
+  problem.kinematics = &kinematics_;
+  double standing = 0.0;
+  while (motion.arc < hypothesis.travel) {
+    const HypothesisPoint point = point_at(hypothesis, motion.arc);
+    model_.compute(motion.base, motion.q, kinematics_);
+    place_leaf(belief, hypothesis, point, motion.arc);
+    clearance_.compute(model_, motion.base, clearances_);
+    note_clearances(result);
+    const Vector6d error = pose_error(hypothesis, motion, point);
+    result.error = std::max(result.error, error.head<3>().norm());
+    problem.base = base_twist(law, hypothesis, motion, dt);
+    problem.correction = kPathGain * error;
+    pose_problem(hypothesis, motion, point, problem);
+    const WbcStatus status = controller_.solve(problem, solution);
+    result.sigma = std::min(result.sigma, solution.sigma_min);
+    motion.measured = motion.speed * solution.speed_factor;
+    standing = motion.measured < kStallSpeed ? standing + dt : 0.0;
+    if (status == WbcStatus::Invalid || result.error > kLostError || standing > kStallTime) break;
+    if (roll_out_value(result, hypothesis.soft) < enough) break;
+    motion.q += dt * solution.u.head(n);
+    motion.base = integrate_base(motion.base, solution.u[n + 1], solution.u[n], dt);
+    problem.measured = solution.u;
+    motion.arc += motion.measured * dt;
+  }
+  result.fraction = std::min(1.0, motion.arc / hypothesis.travel);
+  result.value = roll_out_value(result, hypothesis.soft);
+  return result;
+}
+
+void RollOut::drive_screened(const BaseTwist& want, Motion& motion, double dt) const {
+  const double v = std::clamp(want.v, -wbc_.base_reverse, wbc_.base_forward);
+  const double w = std::clamp(want.w, -wbc_.base_yaw_rate, wbc_.base_yaw_rate);
+  const double dv = wbc_.base_acceleration * dt;
+  const double dw = wbc_.base_yaw_acceleration * dt;
+  motion.twist.v += std::clamp(v - motion.twist.v, -dv, dv);
+  motion.twist.w += std::clamp(w - motion.twist.w, -dw, dw);
+  motion.base = integrate_base(motion.base, motion.twist.v, motion.twist.w, dt);
+}
+
+// One damped Newton step to the next point, shortened to the joint rates. @return the share of the step that was made
+double RollOut::follow_screened(const Vector6d& error, Motion& motion, double dt) const {
+  const auto J = kinematics_.J.leftCols(model_.joints());
+  const Eigen::Matrix<double, 6, 6> A = J * J.transpose() + kScreenDamping * Eigen::Matrix<double, 6, 6>::Identity();
+  const Vector6d y = A.llt().solve(error);
+  const JointVector dq = J.transpose() * y;
+  const double excess = (dq.array().abs() / (wbc_.rate_scale * dt * model_.limits().velocity.array())).maxCoeff();
+  const double share = 1.0 / std::max(excess, 1.0);
+  motion.q += share * dq;
+  return share;
+}
+
+RollOutResult RollOut::screen(const HandleBelief& belief, const MechanismHypothesis& hypothesis, const BasePose& base,
+                              const JointVector& q, double enough) {
+  const double dt = kScreenFactor * config_.step;
+  const RobotLimits& limits = model_.limits();
+  RollOutResult result;
+  result.fraction = 1.0;
+  Motion motion = begin(belief, base, q);
+  BaseLaw law(base_law_);
+  law.reset(base, motion.p0);
+  for (int i = 0; motion.arc < hypothesis.travel; ++i) {
+    drive_screened(base_twist(law, hypothesis, motion, dt), motion, dt);
+    const double step = motion.speed * dt;
+    const HypothesisPoint point = point_at(hypothesis, motion.arc + step);
+    model_.compute(motion.base, motion.q, kinematics_);
+    result.sigma = std::min(result.sigma, arm_sigma_min(kinematics_, wbc_.length));
+    if (i % kScreenClearance == 0) {
+      place_leaf(belief, hypothesis, point, motion.arc);
+      clearance_.compute(model_, motion.base, clearances_);
+      note_clearances(result);
+    }
+    const Vector6d error = pose_error(hypothesis, motion, point);
+    const double share = follow_screened(error, motion, dt);
+    motion.arc += share * step;
+    motion.measured = share * motion.speed;
+    const bool outside = ((motion.q - limits.position_lower).array() < 0.0).any() ||
+                         ((limits.position_upper - motion.q).array() < 0.0).any();
+    if (outside || share < kScreenStuck || error.head<3>().norm() > kLostError + step) break;
+    if (roll_out_value(result, hypothesis.soft) < enough) break;
+  }
+  result.fraction = std::min(1.0, motion.arc / hypothesis.travel);
+  result.value = roll_out_value(result, hypothesis.soft);
+  return result;
+}
+
+}  // namespace ajar
