@@ -12,7 +12,8 @@ void bind(Section s, ForceLawConfig& c) {
   s.number("integral_ratio", c.integral_ratio, kNotNegative, "1/s", "integral over proportional gain");
   s.number("correction_max", c.correction_max, kPositive, "m/s", "largest correction velocity");
   s.number("deadband", c.deadband, kNotNegative, "N", "subtracted from the normal force");
-  s.number("torque_gain", c.torque_gain, kNotNegative, "rad/(N m s)", "gain of the torque nulling");
+  s.number("torque_gain", c.torque_gain, kNotNegative, "rad/(N m s)", "upper bound of the gain of the torque nulling");
+  s.number("rotational_stiffness", c.rotational_stiffness, kPositive, "N m/rad", "of the grasp, as the robot believes");
   s.number("turn_max", c.turn_max, kPositive, "rad/s", "largest correction turn");
   s.number("speed_start", c.speed_start, kPositive, "m/s", "along the mechanism until the estimate is sure");
   s.number("speed", c.speed, kPositive, "m/s", "cruise along the mechanism");
@@ -35,6 +36,7 @@ void bind(Section s, EstimatorConfig& c) {
   s.number("hinge_curvature", c.hinge_curvature, kPositive, "1/m", "smallest curvature that counts as a hinge");
   s.number("type_threshold", c.type_threshold, kPositive, "-", "evidence that the decision hinge or slide needs");
   s.number("relative_curvature_floor", c.relative_curvature_floor, kNotNegative, "-", "furniture is no circle: least relative sigma of the curvature");
+  s.flag("use_rotation", c.use_rotation, "false: the grip is known to pivot, positions only");
   Section noise = s.table("noise");
   noise.number("position_white", c.noise.position_white, kPositive, "m", "per sample");
   noise.number("position_correlated", c.noise.position_correlated, kNotNegative, "m", "correlated along the path");
@@ -90,10 +92,12 @@ void bind(Section s, NavigationConfig& c) {
   s.number("lambda", c.lambda, kPositive, "-", "graceful law: its exponent");
   s.number("slow_radius", c.slow_radius, kPositive, "m", "graceful law: slows down inside");
   s.number("v_max", c.v_max, kPositive, "m/s", "largest speed");
+  s.number("v_reverse", c.v_reverse, kPositive, "m/s", "largest backward speed");
   s.number("w_max", c.w_max, kPositive, "rad/s", "largest turning rate");
   s.number("acceleration", c.acceleration, kPositive, "m/s²", "of the base");
   s.number("yaw_acceleration", c.yaw_acceleration, kPositive, "rad/s²", "of the base");
   s.number("k_final", c.k_final, kPositive, "1/s", "heading gain of the terminal turn");
+  s.number("max_curvature", c.max_curvature, kPositive, "1/m", "sharpest curve of the driven path");
   s.number("position_tolerance", c.position_tolerance, kPositive, "m", "arrived within");
   s.number("heading_tolerance", c.heading_tolerance, kPositive, "rad", "arrived within");
 }
@@ -109,9 +113,12 @@ void bind(Section s, PlannerConfig& c) {
   s.integer("headings", c.headings, {1.0, 360.0}, "base headings tried per place");
   s.integer("ik_starts", c.ik_starts, {1.0, 1000.0}, "random arm postures tried per place and hand roll");
   s.integer("roll_outs", c.roll_outs, {1.0, 10000.0}, "candidates rolled out");
-  s.number("step_s", c.step, {0.001, 1.0}, "s", "time step of a roll-out");
+  s.integer("kept", c.kept, {1.0, 1000.0}, "candidates handed over, and checked with disturbed placements");
+  s.number("step_s", c.step, {0.001, 0.1}, "s", "time step of a roll-out");
+  s.number("speed", c.speed, kPositive, "m/s", "cruise of a roll-out along the mechanism");
   s.number("least_sigma", c.least_sigma, kNotNegative, "-", "smallest singular value of a candidate at the grasp");
   s.number("own_clearance_m", c.own_clearance, kNotNegative, "m", "distance of a candidate to itself at the grasp");
+  s.number("wall_clearance_m", c.wall_clearance, kNotNegative, "m", "of the base where it stands, to the believed wall");
   s.number("approach_distance_m", c.approach_distance, {0.0, 1.0, true}, "m", "the hand waits this far in front of the handle");
 }
 

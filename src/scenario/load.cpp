@@ -22,7 +22,6 @@ const std::string kOverride = "--set";
 /// What is known while a file is read.
 struct Reader {
   std::string file;
-  const toml::table* tree = nullptr;
 };
 
 bool from_override(const toml::node& node) { return node.source().path && *node.source().path == kOverride; }
@@ -361,13 +360,14 @@ toml::table parse_override(const std::string& text) {
   }
 }
 
-void merge(toml::table& into, const toml::table& from) {
-  for (const auto& [key, node] : from) {
+/// Moves what an override says into the file's tree; a copy would forget where it comes from.
+void merge(toml::table& into, toml::table&& from) {
+  for (auto&& [key, node] : from) {
     toml::node* const present = into.get(key);
     if (present != nullptr && present->is_table() && node.is_table()) {
-      merge(*present->as_table(), *node.as_table());
+      merge(*present->as_table(), std::move(*node.as_table()));
     } else {
-      into.insert_or_assign(key, node);
+      into.insert_or_assign(key, std::move(node));
     }
   }
 }
@@ -390,9 +390,13 @@ void resolve_paths(Scenario& target) {
 }  // namespace
 
 Scenario load_scenario(const std::filesystem::path& file, const std::vector<std::string>& overrides) {
-  const Reader reader{file.string(), nullptr};
-  toml::table tree = parse(file_text(file), file.string());
-  for (const std::string& text : overrides) merge(tree, parse_override(text));
+  return parse_scenario(file_text(file), file, overrides);
+}
+
+Scenario parse_scenario(const std::string& text, const std::filesystem::path& file, const std::vector<std::string>& overrides) {
+  const Reader reader{file.string()};
+  toml::table tree = parse(text, file.string());
+  for (const std::string& change : overrides) merge(tree, parse_override(change));
   const toml::node* const mechanism = tree.get("mechanism");
   if (mechanism == nullptr) throw ConfigError(file.string() + ":1: mechanism: missing; a table [mechanism] with type, from or mjcf is needed");
   if (!mechanism->is_table()) refuse(reader, *mechanism, "mechanism", "a table with type, from or mjcf");

@@ -36,8 +36,7 @@ void Section::integer(const std::string& name, int& value, const Range& range, c
 }
 
 void Section::seed(const std::string& name, std::uint64_t& value, const std::string& meaning) {
-  // TOML has signed 64-bit integers.
-  add(name, &value, meaning).range = {0.0, 9223372036854775807.0, false};
+  add(name, &value, meaning).range = kNotNegative;
 }
 
 void Section::flag(const std::string& name, bool& value, const std::string& meaning) { add(name, &value, meaning); }

@@ -77,7 +77,7 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"KeyMissing", "[mechanism]\nmjcf = \"a.xml\"\njoint = \"j\"\n", "FILE:1: mechanism.handle: missing; allowed: a text in quotes"},
         Case{"FlagAsNumber", kHinge + "walls = 1\n", "FILE:3: mechanism.walls = 1: allowed: true or false"},
         Case{"CloserSize", kHinge + "closer_size = 2.5\n", "FILE:3: mechanism.closer_size = 2.5: allowed: a whole number from 0 … 7"},
-        Case{"NegativeSeed", "seed = -1\n" + kHinge, "FILE:1: seed = -1: allowed: a whole number from 0 … 9223372036854775808"},
+        Case{"NegativeSeed", "seed = -1\n" + kHinge, "FILE:1: seed = -1: allowed: a whole number at least 0"},
         Case{"Rate", kHinge + "[control]\nrate_hz = 0\n", "FILE:4: control.rate_hz = 0: allowed: from 20 … 1000 Hz"},
         Case{"Belief", kHinge + "[belief]\ndirection_error_deg = \"some\"\n",
              "FILE:4: belief.direction_error_deg = \"some\": allowed: from 0 … 180 ° or \"none\""},
@@ -90,9 +90,9 @@ INSTANTIATE_TEST_SUITE_P(
              "FILE: mechanism.closer_size = 3: allowed: either closer_size or [mechanism.closer], not both"},
         Case{"ForceAboveAbort", kHinge + "[limits]\nforce_N = 200\n", "FILE: limits.force_N = 200: allowed: below abort_force_N, 150"},
         Case{"Override", kHinge, "--set: mechanism.mass_kg = -1: allowed: above 0 … 2000 kg", {"mechanism.mass_kg=-1"}},
-        Case{"OverrideUnknown", kHinge, "--set: goal.opening: unknown key; the nearest valid name is goal.opening_m", {"goal.opening=1"}},
+        Case{"OverrideUnknown", kHinge, "--set: goal.openning_m: unknown key; the nearest valid name is goal.opening_m", {"goal.openning_m=1"}},
         Case{"OverrideNoValue", kHinge, "--set mechanism.mass_kg: allowed: KEY=VALUE", {"mechanism.mass_kg"}}),
-    [](const ::testing::TestParamInfo<Case>& info) { return info.param.name; });
+    [](const auto& one) { return one.param.name; });
 
 TEST(BadScenarioFile, NoTomlNamesTheLine) {
   const fs::path file = fs::temp_directory_path() / ("ajar_bad_syntax_" + std::to_string(::getpid()) + ".toml");

@@ -27,7 +27,7 @@ struct MechanismSource {
 struct StartConfig {
   double distance = 1.6;        ///< From the handle, along its normal [m]
   double sideways = 0.3;        ///< [m]
-  double heading_error = 0.3;   ///< From facing the handle [rad]
+  double heading_error = 0.2617993877991494;  ///< From facing the handle; 15° [rad]
   bool operator==(const StartConfig&) const = default;
 };
 
@@ -43,9 +43,15 @@ struct Scenario {
   MissionConfig mission;
 };
 
-/// Reads a scenario; `overrides` are KEY=VALUE with dotted keys.
+/// Reads a scenario; `overrides` are KEY=VALUE with dotted keys, VALUE in TOML, a bare word is a text. An override that changes
+/// the form or the type of the mechanism drops the file's keys that only the old one has.
 /// @throws ConfigError, IoError  naming file, line, key, value and what is allowed; unknown keys name the nearest valid one
 [[nodiscard]] Scenario load_scenario(const std::filesystem::path& file, const std::vector<std::string>& overrides = {});
+
+/// The same from text; `file` is the name for messages and the place where relative paths start.
+/// @throws ConfigError, IoError
+[[nodiscard]] Scenario parse_scenario(const std::string& text, const std::filesystem::path& file,
+                                      const std::vector<std::string>& overrides = {});
 
 /// The complete scenario as TOML, all defaults included; reading it again gives the same scenario.
 [[nodiscard]] std::string to_toml(const Scenario& scenario);

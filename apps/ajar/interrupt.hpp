@@ -1,0 +1,6 @@
+#pragma once
+
+#include <atomic>
+
+/// Becomes true at the first Ctrl-C (or SIGTERM), which asks for a safe stop; a second one ends the program at once.
+[[nodiscard]] const std::atomic<bool>& interrupted();

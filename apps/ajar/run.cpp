@@ -1,0 +1,99 @@
+#include "ajar/campaign/run.hpp"
+
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <numbers>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "ajar/core/error.hpp"
+#include "commands.hpp"
+#include "exit_codes.hpp"
+#include "interrupt.hpp"
+#include "plants.hpp"
+#include "progress.hpp"
+
+namespace {
+
+namespace fs = std::filesystem;
+
+struct RunArguments {
+  std::string scenario;
+  std::vector<std::string> overrides;
+  std::optional<std::uint64_t> seed;
+  std::string out;
+  bool quiet = false;
+};
+
+/// runs/NAME-1, or the first number that is free.
+fs::path free_folder(const fs::path& scenario) {
+  for (int i = 1;; ++i) {
+    const fs::path folder = fs::path("runs") / fmt::format("{}-{}", scenario.stem().string(), i);
+    if (!fs::exists(folder)) return folder;
+  }
+}
+
+void print_figure(const std::string& name, const std::optional<double>& value, double scale, const std::string& unit) {
+  if (value) fmt::print("{:<22}{:.4g} {}\n", name, *value * scale, unit);
+}
+
+void print_result(const ajar::RunResult& r, const fs::path& folder) {
+  const double degree = 180.0 / std::numbers::pi;
+  const bool hinge = r.mechanism_type_true == "hinge";
+  fmt::print("{:<22}{} ({} in phase {})\n", "outcome", r.outcome, r.reason, r.phase);
+  if (!r.explanation.empty()) fmt::print("{:<22}{}\n", "", r.explanation);
+  fmt::print("{:<22}{}, the robot says {}\n", "mechanism", r.mechanism_type_true, r.mechanism_type_estimated);
+  print_figure("opening", r.opening, hinge ? degree : 1.0, hinge ? "°" : "m");
+  print_figure("of what was wanted", r.opening_fraction, 100.0, "%");
+  print_figure("duration", r.duration, 1.0, "s");
+  print_figure("opening took", r.open_duration, 1.0, "s");
+  print_figure("peak normal force", r.peak_normal_force, 1.0, "N");
+  print_figure("mean normal force", r.mean_normal_force, 1.0, "N");
+  print_figure("peak pull force", r.peak_pull_force, 1.0, "N");
+  print_figure("direction error at end", r.direction_error_final, degree, "°");
+  print_figure("curvature error", r.curvature_error_final, 1.0, "1/m");
+  fmt::print("{:<22}{}\n", "unwanted contacts", r.unwanted_contacts.size());
+  print_figure("speed", r.real_time_factor, 1.0, "x real time");
+  for (const std::string& note : r.notes) fmt::print("{:<22}{}\n", "note", note);
+  fmt::print("{:<22}{}\n", "report", (folder / "report.html").string());
+}
+
+int run(const RunArguments& arguments) {
+  ajar::Scenario scenario = ajar::load_scenario(arguments.scenario, arguments.overrides);
+  if (arguments.seed) scenario.seed = *arguments.seed;
+  check_reach(scenario, ajar::load_robot(scenario.robot));
+
+  ajar::RunOptions options;
+  options.folder = arguments.out.empty() ? free_folder(scenario.file) : fs::path(arguments.out);
+  options.stop = &interrupted();
+  std::unique_ptr<RunTicker> ticker;
+  const ajar::PlantFactory factory = [&](const ajar::PlantRequest& request) {
+    ajar::SimulatedPlant made = make_plant(request);
+    if (!arguments.quiet) ticker = std::make_unique<RunTicker>(made.truth.kind);
+    return made;
+  };
+  options.progress = [&](const ajar::RunProgress& progress) {
+    if (ticker) ticker->tell(progress);
+  };
+  const ajar::RunResult result = ajar::run_mission(scenario, factory, options);
+  if (ticker) ticker->finish();
+  print_result(result, options.folder);
+  return result.exit_code();
+}
+
+}  // namespace
+
+void add_run(CLI::App& program, int& exit_code) {
+  CLI::App* const command = program.add_subcommand("run", "One mission; writes a run folder");
+  const auto arguments = std::make_shared<RunArguments>();
+  command->add_option("SCENARIO", arguments->scenario, "Scenario file (TOML)")->required();
+  command->add_option("--set", arguments->overrides, "KEY=VALUE: any key of the scenario; may stand several times")->allow_extra_args(false);
+  command->add_option("--seed", arguments->seed, "Seed instead of the scenario's");
+  command->add_option("--out", arguments->out, "Run folder; default runs/SCENARIO-NUMBER");
+  command->add_flag("--quiet", arguments->quiet, "No progress on standard error");
+  command->callback([arguments, &exit_code] { exit_code = run(*arguments); });
+}
