@@ -17,6 +17,8 @@ double wheel_load(const InputLimits& limits, double w, double v) {
 // Acceleration range around the last command, moved into the range that must hold anyway.
 void set_bounds(InputBounds& bounds, int i, double last, double step, double low, double high, BindingLimit low_limit,
                 BindingLimit high_limit, BindingLimit step_limit) {
+  bounds.rate_lower[i] = low;
+  bounds.rate_upper[i] = high;
   bounds.lower[i] = std::clamp(last - step, low, high);
   bounds.upper[i] = std::clamp(last + step, low, high);
   bounds.lower_limit[static_cast<size_t>(i)] = bounds.lower[i] > low ? step_limit : low_limit;
@@ -82,14 +84,18 @@ double stopping_rate(double distance, double deceleration, double period) noexce
   if (!(distance > 0.0)) {
     return 0.0;
   }
-  const double step = 0.5 * deceleration * period;
-  return std::min(distance / period, std::sqrt(step * step + 2.0 * deceleration * distance) - step);
+  // Stopping from n full steps A T takes n(n + 1)/2 units of A T²; between these rates the distance is linear.
+  const double unit = deceleration * period * period;
+  const double steps = std::max(1.0, std::ceil(0.5 * (std::sqrt(1.0 + 8.0 * distance / unit) - 1.0)));
+  return distance / (steps * period) + 0.5 * deceleration * period * (steps - 1.0);
 }
 
 InputBounds input_bounds(const InputLimits& limits, const JointVector& q, const InputVector& last,
                          bool base_fixed) noexcept {
   const int n = limits.joints;
   InputBounds bounds;
+  bounds.rate_lower = InputVector::Zero(n + 2);
+  bounds.rate_upper = InputVector::Zero(n + 2);
   bounds.lower = InputVector::Zero(n + 2);
   bounds.upper = InputVector::Zero(n + 2);
   for (int i = 0; i < n; ++i) {
@@ -109,6 +115,8 @@ InputBounds input_bounds(const InputLimits& limits, const JointVector& q, const 
                BindingLimit::BaseSpeed, BindingLimit::BaseAcceleration);
     if (base_fixed || !limits.base_moves) {
       const double stopping = std::clamp(brake_step(last[i], step), limits.speed_lower[i], limits.speed_upper[i]);
+      bounds.rate_lower[i] = 0.0;
+      bounds.rate_upper[i] = 0.0;
       bounds.lower[i] = stopping;
       bounds.upper[i] = stopping;
     }

@@ -18,9 +18,9 @@ constexpr double kSenseHysteresis = std::numbers::pi / 2.0 + std::numbers::pi / 
 constexpr double kMissedSpeed = 5e-3;
 constexpr double kSlowedFactor = 0.999;
 
-// Largest factor k in [0, 1] with base + k·step inside the bounds; 0 if base itself is outside by more than round-off.
-double common_factor(const InputLimits& limits, const InputBounds& bounds, const InputVector& start,
-                     const InputVector& step) {
+// Largest factor k in [0, 1] with start + k·step inside lower … upper and the wheels' reach.
+double common_factor(const InputLimits& limits, const InputVector& lower, const InputVector& upper,
+                     const InputVector& start, const InputVector& step) {
   double factor = 1.0;
   const auto hold = [&factor](double at, double change, double low, double high) {
     if (change > 0.0) {
@@ -30,7 +30,7 @@ double common_factor(const InputLimits& limits, const InputBounds& bounds, const
     }
   };
   for (int i = 0; i < start.size(); ++i) {
-    hold(start[i], step[i], bounds.lower[i], bounds.upper[i]);
+    hold(start[i], step[i], lower[i], upper[i]);
   }
   if (limits.base_moves) {
     const int w = limits.joints;
@@ -80,10 +80,17 @@ ThesisController::ThesisController(const RobotModel& model, const ThesisConfig& 
     weight_[i] = (i < n ? 1.0 : config.w_base) / (largest * largest);
   }
   last_ = InputVector::Zero(n + 2);
+  forget();
+}
+
+void ThesisController::forget() noexcept {
+  const InputVector rest = InputVector::Zero(limits_.joints + 2);
+  parts_ = {rest, 0.0, rest};
 }
 
 void ThesisController::reset() noexcept {
   last_.setZero();
+  forget();
   heading_integral_ = 0.0;
   drive_sense_ = 0;
   saturated_ = false;
@@ -93,6 +100,7 @@ void ThesisController::reset(const InputVector& last_command) noexcept {
   reset();
   if (last_command.size() == limits_.joints + 2 && last_command.allFinite()) {
     last_ = last_command;
+    parts_.idle = last_command;
   }
 }
 
@@ -119,41 +127,68 @@ InputVector ThesisController::null_space_motion(const WbcProblem& problem) noexc
   return z;
 }
 
+// Moves the parts of the last command towards the wanted ones as far as limits and accelerations allow.
+InputVector ThesisController::scaled(const InputBounds& bounds, const InputVector& tangential,
+                                     const Parts& wanted) noexcept {
+  const InputVector rest = InputVector::Zero(limits_.joints + 2);
+  Parts goal = wanted;
+  const auto share = [&](const InputVector& start, const InputVector& step) {
+    return common_factor(limits_, bounds.rate_lower, bounds.rate_upper, start, step);
+  };
+  goal.correction *= share(rest, wanted.correction);
+  goal.factor = share(goal.correction, tangential);
+  const double idle_share = share(goal.correction + goal.factor * tangential, wanted.idle);
+  goal.idle *= idle_share;
+  saturated_ = idle_share < 1.0;
+
+  InputVector u = parts_.correction + parts_.factor * tangential + parts_.idle;
+  const auto advance = [&](const InputVector& step) {
+    const double factor = common_factor(limits_, bounds.lower, bounds.upper, u, step);
+    u += factor * step;
+    return factor;
+  };
+  const InputVector correction_step = goal.correction - parts_.correction;
+  parts_.correction += advance(correction_step) * correction_step;
+  const double factor_step = goal.factor - parts_.factor;
+  parts_.factor += advance(factor_step * tangential) * factor_step;
+  const InputVector idle_step = goal.idle - parts_.idle;
+  parts_.idle += advance(idle_step) * idle_step;
+  return u;
+}
+
 WbcStatus ThesisController::solve(const WbcProblem& problem, WbcSolution& out) noexcept {
   if (!is_usable(problem, limits_.joints)) {
     brake(out);
     return out.status = WbcStatus::Invalid;
   }
+  const bool base_stands = !limits_.base_moves || problem.base_fixed;
   HandJacobian J = problem.kinematics->J;
-  if (!limits_.base_moves || problem.base_fixed) {
+  Parts wanted{InputVector(), 1.0, null_space_motion(problem)};
+  if (base_stands) {
     J.rightCols<2>().setZero();
+    wanted.idle.tail<2>().setZero();
   }
   const InputBounds bounds = input_bounds(limits_, *problem.q, last_, problem.base_fixed);
-  const Damping damping{config_.epsilon, config_.lambda_max, limits_config_.length};
-  const PseudoInverse inverse = damped_pseudo_inverse(J, weight_, damping);
-  const InputVector correction = inverse.matrix * problem.correction;
-  const InputVector tangential = inverse.matrix * problem.tangential;
-  const InputVector idle = null_space_projector(J, weight_).lazyProduct(null_space_motion(problem));
+  const PseudoInverse inverse =
+      damped_pseudo_inverse(J, weight_, {config_.epsilon, config_.lambda_max, limits_config_.length});
+  const InputMatrix N = null_space_projector(J, weight_);
+  wanted.correction = inverse.matrix * problem.correction;
+  wanted.idle = N.lazyProduct(wanted.idle).eval();
+  parts_.idle = N.lazyProduct(parts_.idle).eval();  // still without effect on the hand after the arm has moved
 
-  const InputVector rest = InputVector::Zero(limits_.joints + 2);
-  InputVector u = common_factor(limits_, bounds, rest, correction) * correction;
-  out.speed_factor = common_factor(limits_, bounds, u, tangential);
-  u += out.speed_factor * tangential;
-  const double idle_factor = common_factor(limits_, bounds, u, idle);
-  u += idle_factor * idle;
-  saturated_ = idle_factor < 1.0;
-
+  const InputVector u = scaled(bounds, inverse.matrix * problem.tangential, wanted);
   out.u = u.cwiseMax(bounds.lower).cwiseMin(bounds.upper);
   limit_wheels(limits_, out.u);
+  out.speed_factor = parts_.factor;
   out.sigma_min = inverse.sigma_min;
   out.slack = 0.0;
   out.binding = BindingLimit::None;
-  const Vector6d twist = J * out.u - out.speed_factor * problem.tangential - problem.correction;
-  out.residual = twist.head<3>().norm();
-  out.status = out.residual > kMissedSpeed           ? WbcStatus::Limited
-               : out.speed_factor < kSlowedFactor    ? WbcStatus::Slowed
-               : inverse.squared_damping > 0.0       ? WbcStatus::Damped
-                                                     : WbcStatus::Ok;
+  const Vector6d missed = J * out.u - out.speed_factor * problem.tangential - problem.correction;
+  out.residual = missed.head<3>().norm();
+  out.status = out.residual > kMissedSpeed        ? WbcStatus::Limited
+               : out.speed_factor < kSlowedFactor ? WbcStatus::Slowed
+               : inverse.squared_damping > 0.0    ? WbcStatus::Damped
+                                                  : WbcStatus::Ok;
   last_ = out.u;
   return out.status;
 }
@@ -163,6 +198,9 @@ void ThesisController::brake(WbcSolution& out) noexcept {
   out.u = braked_input(limits_, last_);
   out.status = WbcStatus::Slowed;
   last_ = out.u;
+  parts_.correction.setZero();
+  parts_.factor = 0.0;
+  parts_.idle = out.u;
 }
 
 }  // namespace ajar

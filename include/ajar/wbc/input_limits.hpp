@@ -22,6 +22,8 @@ struct InputLimits {
 
 /// What the inputs may be in this tick, and which limit each bound comes from. lower ≤ upper always.
 struct InputBounds {
+  InputVector rate_lower;                               ///< Without the acceleration limits: ≤ 0, shape (n + 2)
+  InputVector rate_upper;                               ///< Without the acceleration limits: ≥ 0, shape (n + 2)
   InputVector lower;                                    ///< shape (n + 2) [rad/s, m/s]
   InputVector upper;                                    ///< shape (n + 2) [rad/s, m/s]
   std::array<BindingLimit, kMaxInputs> lower_limit{};
@@ -33,7 +35,8 @@ struct InputBounds {
 [[nodiscard]] InputLimits make_input_limits(const RobotModel& model, const WbcConfig& config, double period);
 
 /// Fastest rate from which constant deceleration A, in steps of T, stops within a distance.
-/// min{d/T, -AT/2 + √(A²T²/4 + 2Ad)}; 0 for d ≤ 0. (docs/equations.md#qp)
+/// d/(nT) + AT(n - 1)/2 with n = max(1, ⌈(√(1 + 8d/(AT²)) - 1)/2⌉), at most d/T and √(2Ad); 0 for d ≤ 0.
+/// (docs/equations.md#qp)
 /// @param distance      d, to the position limit [rad]
 /// @param deceleration  A [rad/s²]
 /// @param period        T [s]

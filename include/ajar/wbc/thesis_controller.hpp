@@ -38,7 +38,9 @@ struct HeadingReference {
 /// The thesis's resolution: weighted pseudo-inverse with adaptive damping, exact W-weighted projector, null-space tasks
 /// z1 (distance) and z2 (heading), common scaling at the limits. (docs/equations.md#pinv, #projector, #null-space)
 ///
-/// Priority at the limits: correction, then tangential motion (scaled by s), then the null-space motion.
+/// Common scaling: correction, tangential motion and null-space motion are each scaled as a whole, in this order of
+/// priority, into the rate, position and wheel limits; then each changes by one common factor from tick to tick so that
+/// the accelerations hold.
 class ThesisController {
  public:
   /// @param limits  The fields of WbcConfig that bound the inputs and L
@@ -56,13 +58,23 @@ class ThesisController {
   void brake(WbcSolution& out) noexcept;
 
  private:
+  // What the command is made of: u = correction + factor · tangential + idle.
+  struct Parts {
+    InputVector correction;
+    double factor = 0.0;
+    InputVector idle;
+  };
+
+  void forget() noexcept;
   [[nodiscard]] InputVector null_space_motion(const WbcProblem& problem) noexcept;
+  [[nodiscard]] InputVector scaled(const InputBounds& bounds, const InputVector& tangential, const Parts& wanted) noexcept;
 
   ThesisConfig config_;
   WbcConfig limits_config_;
   InputLimits limits_;
   InputVector weight_;
   InputVector last_;
+  Parts parts_;
   double heading_integral_ = 0.0;
   int drive_sense_ = 0;
   bool saturated_ = false;

@@ -1,0 +1,271 @@
+// Strategy: the force law is closed over a spring with transport delay, where stability (number below π/2) and the
+// steady force v sin(error)/α are known in closed form; the speed law is driven by prescribed forces. Left out: arm
+// dynamics (plant tests).
+#include "ajar/interaction/force_law.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <deque>
+#include <limits>
+#include <numbers>
+
+#include "ajar/core/error.hpp"
+
+namespace ajar {
+namespace {
+
+constexpr double kPeriod = 0.002;
+const Vector3d kAlong = Vector3d::UnitX();
+const Vector3d kNoAxis = Vector3d::Zero();
+
+struct SpringRun {
+  double early_swing = 0.0;  ///< Largest |force| in the second fifth of the run [N]
+  double late_swing = 0.0;   ///< Largest |force| in the last fifth [N]
+  double final_force = 0.0;  ///< Mean of the last fifth [N]
+};
+
+// Hand on a spring across the motion: ẏ = disturbance - v_f(delayed force), f = K y.
+SpringRun close_over_spring(const ForceLawConfig& config, double stiffness, int delay_ticks, double disturbance,
+                            double start) {
+  ForceLaw law(config, kPeriod, delay_ticks * kPeriod);
+  std::deque<double> line(static_cast<size_t>(delay_ticks), 0.0);
+  double y = start;
+  SpringRun run;
+  constexpr int kTicks = 5000;
+  for (int tick = 0; tick < kTicks; ++tick) {
+    line.push_back(stiffness * y);
+    const HandWrench wrench{Vector3d(0.0, line.front(), 0.0), Vector3d::Zero()};
+    line.pop_front();
+    y += kPeriod * (disturbance - law.step(wrench, kAlong, kNoAxis).velocity.y());
+    const double force = std::abs(stiffness * y);
+    if (tick >= kTicks / 5 && tick < 2 * kTicks / 5) {
+      run.early_swing = std::max(run.early_swing, force);
+    }
+    if (tick >= 4 * kTicks / 5) {
+      run.late_swing = std::max(run.late_swing, force);
+      run.final_force += stiffness * y / (kTicks / 5);
+    }
+  }
+  return run;
+}
+
+ForceLawConfig proportional() {
+  ForceLawConfig config;
+  config.integral_ratio = 0.0;
+  config.deadband = 0.0;
+  config.gain_max = 1.0;
+  return config;
+}
+
+TEST(ForceLaw, GainFollowsStiffnessAndRate) {
+  ForceLawConfig config;
+  config.total_stiffness = 7e3;
+  EXPECT_NEAR(ForceLaw(config, 0.008, 0.02).gain(), 0.3 / (7e3 * 0.028), 1e-15);
+  EXPECT_EQ(ForceLaw(config, 0.002, 0.0).gain(), config.gain_max);
+  EXPECT_NEAR(loop_gain(1.0, 0.3, 3e4, 0.1), 1e-4, 1e-15);
+}
+
+TEST(ForceLaw, IsStableOnASpringBelowHalfPi) {
+  for (const double number : {0.1, 0.3, 0.5, 1.0, 1.4}) {
+    ForceLawConfig config = proportional();
+    config.stability_number = number;
+    const SpringRun run = close_over_spring(config, config.total_stiffness, 10, 0.0, 1e-3);
+    EXPECT_LT(run.late_swing, 0.02) << number;  // from 7 N
+  }
+}
+
+TEST(ForceLaw, OscillatesBeyondHalfPi) {
+  ForceLawConfig config = proportional();
+  config.stability_number = 1.0;
+  // The spring is 1.8 times stiffer than believed: α K (T + d) = 1.8 > π/2.
+  const SpringRun run = close_over_spring(config, 1.8 * config.total_stiffness, 10, 0.0, 1e-4);
+  EXPECT_GT(run.late_swing, 10.0);  // from 1.3 N, held by |v_f| ≤ v_f,max only
+  EXPECT_GT(run.late_swing, 1.26);
+}
+
+TEST(ForceLaw, SteadyForceIsSpeedTimesSineOverGain) {
+  const ForceLawConfig config = proportional();
+  const double disturbance = 0.02 * std::sin(30.0 * std::numbers::pi / 180.0);
+  const double gain = ForceLaw(config, kPeriod, 10 * kPeriod).gain();
+  const SpringRun run = close_over_spring(config, config.total_stiffness, 10, disturbance, 0.0);
+  EXPECT_NEAR(run.final_force, disturbance / gain, 1e-3 * disturbance / gain);
+}
+
+TEST(ForceLaw, IntegralRemovesTheSteadyForce) {
+  ForceLawConfig config = proportional();
+  config.integral_ratio = 2.0;
+  const SpringRun run = close_over_spring(config, config.total_stiffness, 10, 0.01, 0.0);
+  EXPECT_LT(std::abs(run.final_force), 0.02);
+}
+
+TEST(ForceLaw, SubtractsTheDeadBand) {
+  ForceLawConfig config = proportional();
+  config.deadband = 0.5;
+  ForceLaw law(config, kPeriod, 0.0);
+  EXPECT_EQ(law.step({Vector3d(0.0, 0.4, 0.0), Vector3d::Zero()}, kAlong, kNoAxis).velocity.norm(), 0.0);
+  const ForceCorrection out = law.step({Vector3d(3.0, 0.7, 0.0), Vector3d::Zero()}, kAlong, kNoAxis);
+  EXPECT_NEAR(out.velocity.y(), law.gain() * 0.2, 1e-15);
+  EXPECT_NEAR(out.normal_force, 0.7, 1e-15);
+  EXPECT_NEAR(out.pull_force, 3.0, 1e-15);
+  EXPECT_EQ(out.velocity.x(), 0.0);
+}
+
+TEST(ForceLaw, StopsIntegratingWhileSaturated) {
+  ForceLawConfig config;
+  config.integral_ratio = 1.0;
+  ForceLaw law(config, kPeriod, 0.0);
+  for (int tick = 0; tick < 5000; ++tick) {
+    EXPECT_LE(law.step({Vector3d(0.0, 1000.0, 0.0), Vector3d::Zero()}, kAlong, kNoAxis).velocity.norm(),
+              config.correction_max + 1e-15);
+  }
+  // Without windup the correction ends with the force.
+  const double left = law.step({Vector3d::Zero(), Vector3d::Zero()}, kAlong, kNoAxis).velocity.norm();
+  EXPECT_LT(left, config.gain_max * 1000.0 * kPeriod + 1e-12);
+}
+
+TEST(ForceLaw, IntegralTurnsWithTheEstimate) {
+  ForceLawConfig config;
+  ForceLaw law(config, kPeriod, 0.0);
+  for (int tick = 0; tick < 500; ++tick) {
+    (void)law.step({Vector3d(0.0, 5.0, 0.0), Vector3d::Zero()}, kAlong, kNoAxis);
+  }
+  // The direction is now along what was the normal: nothing of the integral may push along it.
+  EXPECT_LT(law.step({Vector3d::Zero(), Vector3d::Zero()}, Vector3d::UnitY(), kNoAxis).velocity.norm(), 1e-15);
+}
+
+TEST(ForceLaw, LeavesTheFreeAxisOfTheGripAlone) {
+  ForceLawConfig config;
+  ForceLaw law(config, kPeriod, 0.0);
+  const HandWrench wrench{Vector3d::Zero(), Vector3d(0.3, -0.2, 0.5)};
+  const Vector3d turn = law.step(wrench, kAlong, Vector3d::UnitZ()).turn;
+  EXPECT_NEAR(turn.z(), 0.0, 1e-15);
+  EXPECT_NEAR(turn.x() / turn.y(), -1.5, 1e-12);
+  EXPECT_LE(law.step({Vector3d::Zero(), Vector3d(100.0, 0.0, 0.0)}, kAlong, kNoAxis).turn.norm(),
+            config.turn_max + 1e-15);
+}
+
+TEST(ForceLaw, AnswersNonsenseWithNothing) {
+  ForceLaw law({}, kPeriod, 0.0);
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  for (const HandWrench& wrench : {HandWrench{Vector3d(nan, 0.0, 0.0), Vector3d::Zero()},
+                                   HandWrench{Vector3d::Zero(), Vector3d(0.0, nan, 0.0)}}) {
+    const ForceCorrection out = law.step(wrench, kAlong, kNoAxis);
+    EXPECT_EQ(out.velocity.norm(), 0.0);
+    EXPECT_EQ(out.turn.norm(), 0.0);
+  }
+  EXPECT_EQ(law.step({Vector3d(0.0, 9.0, 0.0), Vector3d::Zero()}, Vector3d(nan, 0.0, 0.0), kNoAxis).velocity.norm(), 0.0);
+  EXPECT_EQ(law.step({Vector3d(0.0, 9.0, 0.0), Vector3d::Zero()}, Vector3d::Zero(), kNoAxis).velocity.norm(), 0.0);
+  EXPECT_GT(law.step({Vector3d(0.0, 9.0, 0.0), Vector3d::Zero()}, kAlong, kNoAxis).velocity.norm(), 0.0);
+}
+
+TEST(ForceLawConfig, RefusesWhatIsOutOfRange) {
+  ForceLawConfig config;
+  config.stability_number = 2.0;
+  EXPECT_THROW(ForceLaw(config, kPeriod, 0.0), ConfigError);
+  config = {};
+  config.total_stiffness = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THROW(ForceLaw(config, kPeriod, 0.0), ConfigError);
+  EXPECT_THROW(ForceLaw({}, 0.0, 0.0), ConfigError);
+  EXPECT_THROW(SpeedLaw({}, -1.0), ConfigError);
+}
+
+TEST(WantedSpeed, RisesWithConfidenceAndWaitsForTheBase) {
+  const ForceLawConfig config;
+  SpeedInput input;
+  EXPECT_NEAR(wanted_speed(input, config), config.speed_start, 1e-15);
+  input.confidence = 1.0;
+  EXPECT_NEAR(wanted_speed(input, config), config.speed, 1e-15);
+  input.base_lag = 0.11;
+  EXPECT_NEAR(wanted_speed(input, config), config.speed_start + 0.5 * (config.speed - config.speed_start), 1e-12);
+  input.base_lag = 1.0;
+  EXPECT_NEAR(wanted_speed(input, config), config.speed_start + 0.2 * (config.speed - config.speed_start), 1e-12);
+  input.speed_cap = 0.01;
+  EXPECT_NEAR(wanted_speed(input, config), 0.01, 1e-15);
+}
+
+TEST(WantedSpeed, FallsToZeroAtThePullLimit) {
+  const ForceLawConfig config;
+  SpeedInput input;
+  input.confidence = 1.0;
+  double last = wanted_speed(input, config);
+  for (double force = 0.0; force <= 50.0; force += 1.0) {
+    input.pull_force = force;
+    const double speed = wanted_speed(input, config);
+    EXPECT_LE(speed, last);
+    last = speed;
+  }
+  EXPECT_EQ(last, 0.0);
+}
+
+TEST(SpeedLaw, RampsWithinItsAccelerations) {
+  const ForceLawConfig config;
+  SpeedLaw law(config, kPeriod);
+  SpeedInput input;
+  input.confidence = 1.0;
+  double last = 0.0;
+  for (int tick = 0; tick < 1500; ++tick) {
+    input.pull_force = tick > 1000 ? 60.0 : 0.0;
+    const double speed = law.step(input);
+    EXPECT_LE(speed - last, config.acceleration * kPeriod + 1e-12);
+    if (tick < 1000) {
+      EXPECT_GE(speed, last - 1e-12);
+    }
+    last = speed;
+    if (tick == 1000) {
+      EXPECT_NEAR(speed, config.speed, 1e-9);
+    }
+  }
+  // 60 N: 25 N above the reserve asks for 5 cm/s backward, bounded.
+  EXPECT_NEAR(last, -config.give_speed, 1e-12);
+}
+
+TEST(SpeedLaw, GivesWayAboveTheRunningForce) {
+  const ForceLawConfig config;
+  SpeedLaw law(config, kPeriod);
+  SpeedInput input;
+  input.confidence = 1.0;
+  input.pull_force = 5.0;
+  double speed = 0.0;
+  for (int tick = 0; tick < 5000; ++tick) {
+    input.measured_speed = speed;
+    speed = law.step(input);
+  }
+  EXPECT_NEAR(law.running_force(), 5.0, 1e-6);
+  input.pull_force = 24.9;
+  EXPECT_NEAR(law.step(input), config.speed, 1e-3);
+  input.pull_force = 30.0;  // 5 N above 5 + 20 (less what the filter of 1 s follows in two ticks)
+  EXPECT_NEAR(law.step(input), config.speed - config.give_gain * 5.0, 3e-4);
+}
+
+TEST(SpeedLaw, RunningForceWaitsForMotion) {
+  SpeedLaw law({}, kPeriod);
+  SpeedInput input;
+  input.pull_force = 25.0;
+  for (int tick = 0; tick < 2000; ++tick) {
+    (void)law.step(input);
+  }
+  EXPECT_EQ(law.running_force(), 0.0);
+}
+
+TEST(SpeedLaw, BrakesOnNonsense) {
+  const ForceLawConfig config;
+  SpeedLaw law(config, kPeriod);
+  SpeedInput input;
+  input.confidence = 1.0;
+  double speed = 0.0;
+  for (int tick = 0; tick < 1000; ++tick) {
+    speed = law.step(input);
+  }
+  input.pull_force = std::numeric_limits<double>::quiet_NaN();
+  const double first = law.step(input);
+  EXPECT_NEAR(speed - first, config.deceleration * kPeriod, 1e-12);
+  for (int tick = 0; tick < 1000; ++tick) {
+    speed = law.step(input);
+  }
+  EXPECT_EQ(speed, 0.0);
+  EXPECT_EQ(law.running_force(), 0.0);
+}
+
+}  // namespace
+}  // namespace ajar

@@ -1,0 +1,182 @@
+// Strategy: the heading reference and the distance task against closed forms and finite differences; the controller on
+// Heron for the properties that its equations promise: task met when limits are far, limits kept when they are near,
+// distance and heading driven by the null space without moving the hand.
+#include "ajar/wbc/thesis_controller.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <random>
+
+#include "ajar/core/error.hpp"
+#include "ajar/core/so3.hpp"
+#include "ur5e_reference.hpp"
+
+namespace ajar {
+namespace {
+
+constexpr double kPeriod = 0.002;
+
+TEST(HeadingReference, TurnsWithAVerticalHinge) {
+  const Vector6d twist = (Vector6d() << 0.1 * std::cos(2.0), 0.1 * std::sin(2.0), 0.0, 0.0, 0.0, 0.125).finished();
+  const HeadingReference reference = heading_reference(twist);
+  EXPECT_TRUE(reference.valid);
+  EXPECT_NEAR(reference.heading, 2.0, 1e-12);
+  EXPECT_NEAR(reference.rate, 0.125, 1e-12);
+}
+
+TEST(HeadingReference, RateIsTheDerivativeOfTheHeadingForTiltedHinges) {
+  std::srand(31);
+  for (int trial = 0; trial < 100; ++trial) {
+    const Vector3d x = Vector3d::Random().normalized();
+    Vector3d k = Vector3d::Random();
+    k -= x * x.dot(k);
+    Vector6d twist;
+    twist << 0.2 * x, 0.2 * k;
+    const HeadingReference reference = heading_reference(twist);
+    if (!reference.valid) {
+      continue;
+    }
+    const auto heading_after = [&](double t) {
+      const Vector3d v = exp_so3(0.2 * t * k) * x;
+      return std::atan2(v.y(), v.x());
+    };
+    const double h = 1e-5;
+    EXPECT_NEAR(reference.rate, wrap_angle(heading_after(h) - heading_after(-h)) / (2.0 * h), 1e-6 * (1.0 + std::abs(reference.rate)));
+  }
+}
+
+TEST(HeadingReference, IsUndefinedWithoutPlanarMotion) {
+  Vector6d twist = Vector6d::Zero();
+  EXPECT_FALSE(heading_reference(twist).valid);
+  twist << 0.0099, 0.0, 0.0, 0.0, 0.0, 0.0;
+  EXPECT_FALSE(heading_reference(twist).valid);
+  twist << 0.0101, 0.0, 0.0, 0.0, 0.0, 0.0;
+  EXPECT_TRUE(heading_reference(twist).valid);
+  twist << 0.0101, 0.0, -0.1, 0.0, 0.0, 0.0;
+  EXPECT_FALSE(heading_reference(twist).valid);
+  twist[0] = std::nan("");
+  EXPECT_FALSE(heading_reference(twist).valid);
+}
+
+TEST(DistanceTask, FollowsTheGradientOfTheDistance) {
+  JointVector q(6);
+  q << 0.2, -1.6, 2.0, -2.0, -1.57, 0.3;
+  const BasePose base{1.0, 0.5, 0.4};
+  const Kinematics k = test::ur5e_kinematics(base, q);
+  const InputVector z = distance_task(k, 0.75, 20.0);
+  const double h = 1e-6;
+  for (int i = 0; i < 6; ++i) {
+    JointVector up = q;
+    JointVector down = q;
+    up[i] += h;
+    down[i] -= h;
+    const double slope =
+        (test::ur5e_kinematics(base, up).distance - test::ur5e_kinematics(base, down).distance) / (2.0 * h);
+    EXPECT_NEAR(z[i], -20.0 * (k.distance - 0.75) * slope, 1e-7);
+  }
+  EXPECT_EQ(z[6], 0.0);
+  EXPECT_EQ(z[7], 0.0);
+}
+
+class HeronThesis : public ::testing::Test {
+ protected:
+  HeronThesis() {
+    q = JointVector(6);
+    q << 1.54, -1.6, 2.0, -2.0, -1.57, 0.3;
+    model.compute({}, q, kinematics);
+  }
+
+  WbcProblem problem() {
+    WbcProblem p;
+    p.kinematics = &kinematics;
+    p.q = &q;
+    p.measured = InputVector::Zero(8);
+    return p;
+  }
+
+  RobotModel model = load_robot("heron");
+  JointVector q;
+  Kinematics kinematics;
+};
+
+TEST_F(HeronThesis, MeetsTheTaskOnceTheAccelerationsHaveBeenLeftBehind) {
+  ThesisController controller(model, {}, {}, kPeriod);
+  WbcProblem p = problem();
+  p.tangential << -0.03, 0.01, 0.0, 0.0, 0.0, 0.02;
+  p.correction << 0.0, 0.0, 0.005, 0.0, 0.01, 0.0;
+  WbcSolution out;
+  for (int tick = 0; tick < 2000; ++tick) {
+    (void)controller.solve(p, out);
+  }
+  EXPECT_NEAR(out.speed_factor, 1.0, 1e-9);
+  EXPECT_EQ(out.status, WbcStatus::Ok);
+  EXPECT_LT((kinematics.J * out.u - p.tangential - p.correction).norm(), 1e-9);
+}
+
+TEST_F(HeronThesis, MovesTowardsTheWantedDistanceWhileTheHandStays) {
+  ThesisConfig config;
+  config.distance = kinematics.distance + 0.05;
+  ThesisController controller(model, config, {}, kPeriod);
+  WbcSolution out;
+  for (int tick = 0; tick < 500; ++tick) {
+    (void)controller.solve(problem(), out);
+  }
+  EXPECT_GT(kinematics.distance_jacobian.dot(out.u), 1e-4);
+  EXPECT_LT((kinematics.J * out.u).norm(), 1e-9);
+}
+
+TEST_F(HeronThesis, TurnsTheBaseAlongTheMotion) {
+  ThesisController controller(model, {}, {}, kPeriod);
+  WbcProblem p = problem();
+  p.tangential << 0.05 * std::cos(0.3), 0.05 * std::sin(0.3), 0.0, 0.0, 0.0, 0.0;
+  WbcSolution out;
+  for (int tick = 0; tick < 1000; ++tick) {
+    (void)controller.solve(p, out);
+  }
+  EXPECT_GT(out.u[6], 0.01);  // base yaw 0, motion at 0.3 rad
+}
+
+TEST_F(HeronThesis, KeepsItsLimitsOnRandomAndBrokenInput) {
+  const WbcConfig wbc;
+  ThesisController controller(model, {}, wbc, kPeriod);
+  const InputLimits limits = make_input_limits(model, wbc, kPeriod);
+  std::mt19937 generator(32);
+  std::normal_distribution<double> normal;
+  InputVector last = InputVector::Zero(8);
+  WbcSolution out;
+  double violation = 0.0;
+  for (int tick = 0; tick < 20000; ++tick) {
+    if (tick % 10 == 0) {
+      q = JointVector::NullaryExpr(6, [&] { return 2.5 * normal(generator); });
+      model.compute({}, q, kinematics);
+    }
+    WbcProblem p = problem();
+    p.tangential = Vector6d::NullaryExpr([&] { return 0.2 * normal(generator); });
+    p.correction = Vector6d::NullaryExpr([&] { return 0.05 * normal(generator); });
+    p.base_fixed = tick % 7 == 0;
+    if (tick % 50 == 49) {
+      p.tangential[1] = std::numeric_limits<double>::quiet_NaN();
+    }
+    const InputBounds bounds = input_bounds(limits, q, last, p.base_fixed);
+    const WbcStatus status = controller.solve(p, out);
+    ASSERT_TRUE(out.u.size() == 8 && out.u.allFinite());
+    EXPECT_EQ(status == WbcStatus::Invalid, tick % 50 == 49);
+    if (status != WbcStatus::Invalid) {
+      violation = std::max({violation, (out.u - bounds.upper).maxCoeff(), (bounds.lower - out.u).maxCoeff()});
+    }
+    last = out.u;
+  }
+  EXPECT_LE(violation, 1e-9);
+}
+
+TEST_F(HeronThesis, RefusesWrongSettings) {
+  ThesisConfig config;
+  config.epsilon = 0.0;
+  EXPECT_THROW(ThesisController(model, config, {}, kPeriod), ConfigError);
+}
+
+}  // namespace
+}  // namespace ajar
