@@ -68,9 +68,9 @@ Handle read_handle(const RowReader& row, const Mechanism& mechanism) {
   return handle;
 }
 
-// Size n of a closer's name "..._ENn", 0 if it has none.
+// Size n of a closer's name "... ENn", 0 if it has none.
 int closer_size(const std::string& name) {
-  const std::size_t at = name.rfind("_EN");
+  const std::size_t at = name.rfind(" EN");
   if (at == std::string::npos || at + 4 != name.size()) return 0;
   const int size = name[at + 3] - '0';
   return size >= 1 && size <= 7 ? size : 0;

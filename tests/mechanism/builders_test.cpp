@@ -207,6 +207,7 @@ TEST(DoorTable, EveryDoorNeedsTheForceOfItsRow) {
 
 TEST(DoorTable, RecessesOfferNothingToGripAndHandlesDo) {
   int recesses = 0;
+  int sized = 0;
   for (const std::string& id : list_doors(doors_csv())) {
     const Mechanism m = load_door(doors_csv(), id);
     const bool recess = cell(id, "handle_type") == "flush_recess";
@@ -215,10 +216,12 @@ TEST(DoorTable, RecessesOfferNothingToGripAndHandlesDo) {
     EXPECT_EQ(m.handle.thickness == 0.0, recess) << id;
     EXPECT_EQ(m.handle.kind == HandleKind::Knob, cell(id, "handle_type").find("knob") != std::string::npos) << id;
     EXPECT_EQ(m.latched, cell(id, "latch") != "none") << id;
-    const bool sized = cell(id, "closer").find("_EN") != std::string::npos;
-    EXPECT_EQ(m.closer.closing_damping > 0.0, sized) << id;
+    const bool is_sized = cell(id, "closer").find(" EN") != std::string::npos;
+    sized += is_sized ? 1 : 0;
+    EXPECT_EQ(m.closer.closing_damping >= 40.0, is_sized) << id;
   }
   EXPECT_EQ(recesses, 3);
+  EXPECT_EQ(sized, 7);
 }
 
 TEST(DoorTable, ClosedLeafFillsTheOpeningBehindTheGrip) {
