@@ -27,6 +27,21 @@ constexpr double kClearanceScale = 0.1;
 // Keeps the QP strictly convex where a column vanishes.
 constexpr double kRegularisation = 1e-9;
 
+bool is_usable(const ClearanceRow& row, int joints) {
+  return row.row.size() == joints + 2 && row.row.allFinite() && std::isfinite(row.distance) &&
+         row.normal.allFinite() && row.point_on_obstacle.allFinite();
+}
+
+// A distance that is not a number may hide a wall: such a problem is refused as a whole.
+bool is_usable(const ClearanceResult& clearance, int joints) {
+  for (int i = 0; i < std::clamp(clearance.count, 0, kMaxClearanceRows); ++i) {
+    if (!is_usable(clearance.rows[static_cast<size_t>(i)], joints)) {
+      return false;
+    }
+  }
+  return true;
+}
+
 bool is_usable(const WbcProblem& problem, int joints) {
   const Kinematics* kinematics = problem.kinematics;
   return kinematics != nullptr && problem.q != nullptr && problem.q->size() == joints && problem.q->allFinite() &&
@@ -35,12 +50,8 @@ bool is_usable(const WbcProblem& problem, int joints) {
          kinematics->X_WE.translation().allFinite() && problem.tangential.allFinite() &&
          problem.correction.allFinite() && problem.free_axis.allFinite() && std::isfinite(problem.free_axis_rate) &&
          std::isfinite(problem.base.v) && std::isfinite(problem.base.w) &&
-         problem.leaf_velocity_at_hand.allFinite() && problem.leaf_turn.allFinite();
-}
-
-bool is_usable(const ClearanceRow& row, int joints) {
-  return row.row.size() == joints + 2 && row.row.allFinite() && std::isfinite(row.distance) &&
-         row.normal.allFinite() && row.point_on_obstacle.allFinite();
+         problem.leaf_velocity_at_hand.allFinite() && problem.leaf_turn.allFinite() &&
+         (problem.clearance == nullptr || is_usable(*problem.clearance, joints));
 }
 
 const ClearanceLimits& limits_of(const ClearanceConfig& config, ClearanceKind kind) {
@@ -181,9 +192,6 @@ void WholeBodyController::Impl::add_clearance_rows(const WbcProblem& problem) {
   const int count = std::clamp(problem.clearance->count, 0, kMaxClearanceRows);
   for (int i = 0; i < count; ++i) {
     const ClearanceRow& row = problem.clearance->rows[static_cast<size_t>(i)];
-    if (!is_usable(row, n)) {
-      continue;
-    }
     qp.C.row(qp.rows).head(n + 2) = row.row;
     if (row.obstacle >= 0 && row.obstacle == problem.leaf_obstacle) {
       const Vector3d v_leaf =

@@ -94,6 +94,16 @@ TEST(InputBounds, FixedBaseBrakesWithinItsAcceleration) {
   EXPECT_EQ(last[3], 0.0);
 }
 
+TEST(InputBounds, RobotOnTheFloorHasNoBase) {
+  InputLimits limits = toy_limits();
+  limits.base_moves = false;
+  limits.speed_lower.tail<2>().setZero();
+  limits.speed_upper.tail<2>().setZero();
+  const InputBounds bounds = input_bounds(limits, JointVector::Zero(2), InputVector::Constant(4, 0.1), false);
+  EXPECT_EQ(bounds.lower.tail<2>().norm(), 0.0);
+  EXPECT_EQ(bounds.upper.tail<2>().norm(), 0.0);
+}
+
 TEST(BrakedInput, ReachesZeroAndStays) {
   const InputLimits limits = toy_limits();
   InputVector u = limits.speed_upper;

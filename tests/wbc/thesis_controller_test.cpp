@@ -139,6 +139,39 @@ TEST_F(HeronThesis, TurnsTheBaseAlongTheMotion) {
   EXPECT_GT(out.u[6], 0.01);  // base yaw 0, motion at 0.3 rad
 }
 
+TEST_F(HeronThesis, TracksADoorWithItsHeadingAlongTheMotion) {
+  // 60° of a door of 0.8 m radius, pulled backward; feed-forward twist and pose feedback, exact integration.
+  const Vector3d curvature(0.0, 0.0, -1.25);
+  const Pose start = kinematics.X_WE;
+  const Vector3d x0(-std::cos(0.1), -std::sin(0.1), 0.0);
+  const Vector3d centre = start.translation() + curvature.cross(x0) / curvature.squaredNorm();
+  ThesisController controller(model, {}, {}, kPeriod);
+  BasePose base;
+  WbcSolution out;
+  double s = 0.0;
+  double worst = 0.0;
+  for (int tick = 0; tick < 20000 && 1.25 * s < std::numbers::pi / 3.0; ++tick) {
+    const Matrix3d turned = exp_so3(s * curvature);
+    const Vector3d wanted = centre + turned * (start.translation() - centre);
+    worst = std::max(worst, (wanted - kinematics.X_WE.translation()).norm());
+    const double speed = std::min(0.05, 0.05 * tick * kPeriod);
+    WbcProblem p = problem();
+    p.tangential << speed * (turned * x0), speed * curvature;
+    p.correction << 2.0 * (wanted - kinematics.X_WE.translation()),
+        2.0 * log_so3(turned * start.linear() * kinematics.X_WE.linear().transpose());
+    (void)controller.solve(p, out);
+    q += kPeriod * out.u.head(6);
+    base = integrate_base(base, out.u[7], out.u[6], kPeriod);
+    s += kPeriod * out.speed_factor * speed;
+    model.compute(base, q, kinematics);
+  }
+  EXPECT_GE(1.25 * s, std::numbers::pi / 3.0 - 1e-9);
+  EXPECT_LT(worst, 1e-3);
+  const Vector3d x = exp_so3(s * curvature) * x0;
+  const double error = wrap_angle(base.yaw - std::atan2(x.y(), x.x()) - std::numbers::pi);
+  EXPECT_LT(std::abs(error), 0.06);  // z1 turns the base as well: the two tasks share two degrees of freedom
+}
+
 TEST_F(HeronThesis, KeepsItsLimitsOnRandomAndBrokenInput) {
   const WbcConfig wbc;
   ThesisController controller(model, {}, wbc, kPeriod);
