@@ -170,7 +170,7 @@ TEST(PathFilter, SlipAcrossTheMotionRaisesAnAlarmAndIsForgotten) {
 }
 
 TEST(PathFilter, RestartsWhenTheMechanismItselfChanges) {
-  // A lever of 10 cm for 6 cm of arc, then a door in another direction.
+  // A lever of 10 cm for 6 cm of arc, then a door 30° to 80° off.
   Random rng(12);
   PathFilterConfig config;
   config.noise = robot_noise();
@@ -178,6 +178,10 @@ TEST(PathFilter, RestartsWhenTheMechanismItselfChanges) {
   for (int run = 0; run < 20; ++run) {
     const TruePath lever = test::random_path(0.1, rng);
     TruePath door = test::random_path(0.7, rng);
+    Vector3d axis = rng.direction().cross(lever.direction(0.06)).normalized();
+    const Vector3d x = exp_so3(rng.uniform(30.0, 80.0) * kDegree * axis) * lever.direction(0.06);
+    axis = door.F.col(0).cross(x);
+    door.F = exp_so3(axis.normalized() * std::atan2(axis.norm(), door.F.col(0).dot(x))) * door.F;
     door.origin = lever.position(0.06);
     door.grasp = lever.turn(0.06) * lever.grasp;
     Measured first(lever, config.noise, rng);

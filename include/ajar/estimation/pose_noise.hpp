@@ -12,8 +12,8 @@ struct PoseNoise {
   double rotation_white = 0.0017;      ///< Per sample [rad]
   double rotation_correlated = 0.0035; ///< [rad]
   double correlation_length = 0.05;    ///< Of arc [m]
-  double position_walk = 0.0;          ///< Variance per metre of base travel [m²/m]
-  double rotation_walk = 0.0;          ///< Variance per metre of base travel [rad²/m]
+  double position_walk = 4e-5;         ///< Variance per metre of base travel [m²/m]
+  double rotation_walk = 3e-5;         ///< Variance per metre of base travel [rad²/m]
   bool operator==(const PoseNoise&) const = default;
 };
 
