@@ -29,8 +29,8 @@ JointVector JointMove::step(const JointVector& q, double dt) noexcept {
   const JointVector& to = path_[segment_ + 1];
   const double length = (to - from).cwiseAbs().maxCoeff();
   const double left = std::max(0.0, length - travelled_);
-  // Speed from which the rest suffices to brake; half a tick ahead because the command holds for a tick.
-  const double braking = std::sqrt(2.0 * acceleration_ * left);
+  // Fastest speed that still brakes within the rest when this tick has been driven: v T + v²/(2 a) = left.
+  const double braking = acceleration_ * (std::sqrt(dt * dt + 2.0 * left / acceleration_) - dt);
   speed_ = std::min({speed_ + acceleration_ * dt, rate_, braking, left / dt});
   travelled_ = std::min(length, travelled_ + speed_ * dt);
   const double share = length > 1e-9 ? travelled_ / length : 1.0;

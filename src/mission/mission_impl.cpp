@@ -66,7 +66,28 @@ Mission::Impl::Impl(const RobotModel& robot, const MissionConfig& settings, std:
   record.kinematics.distance_jacobian.setZero(model.inputs());
 }
 
-Command Mission::Impl::step(const RobotState& state) noexcept {
+BasePose Mission::Impl::localise(const BasePose& odometry) const noexcept {
+  const double c = std::cos(odometry_origin.yaw);
+  const double s = std::sin(odometry_origin.yaw);
+  return {odometry_origin.x + c * odometry.x - s * odometry.y, odometry_origin.y + s * odometry.x + c * odometry.y,
+          wrap_angle(odometry_origin.yaw + odometry.yaw)};
+}
+
+// The handle stands still: what moved between two sights is the odometry. (docs/equations.md#landmark)
+void Mission::Impl::correct_odometry(const HandleBelief& seen_again) noexcept {
+  const double turn = wrap_angle(std::atan2(handle.normal.y(), handle.normal.x()) -
+                                 std::atan2(seen_again.normal.y(), seen_again.normal.x()));
+  const double c = std::cos(turn);
+  const double s = std::sin(turn);
+  const Vector3d& p = seen_again.position;
+  const BasePose& o = odometry_origin;
+  odometry_origin = {c * o.x - s * o.y + handle.position.x() - (c * p.x() - s * p.y()),
+                     s * o.x + c * o.y + handle.position.y() - (s * p.x() + c * p.y()), wrap_angle(o.yaw + turn)};
+}
+
+Command Mission::Impl::step(const RobotState& measured) noexcept {
+  RobotState state = measured;
+  state.base = localise(measured.base);
   if (phase == Phase::Done || phase == Phase::Stopped) {
     command_zero();
     return command;
@@ -165,10 +186,11 @@ void Mission::Impl::process(Event event, EndReason reason) noexcept {
 }
 
 void Mission::Impl::enter(Phase next) noexcept {
-  command_zero();  // each phase leaves a safe command
+  if (next != Phase::Release) command_zero();  // the hand on the handle brakes together with the base
   phase = next;
   time_in_phase = 0.0;
   planned = false;
+  located = false;
   blocked_time = 0.0;
   switch (next) {
     case Phase::Choose:
@@ -183,12 +205,9 @@ void Mission::Impl::enter(Phase next) noexcept {
       controller.reset();
       break;
     case Phase::Open: controller.reset(); break;
-    case Phase::Release:
-      fingers_open = false;
-      controller.reset();
-      break;
     case Phase::Retreat: retreat_sense = 0.0; break;
     case Phase::Approach:
+    case Phase::Release:
     case Phase::Done:
     case Phase::Stopped: break;
   }

@@ -31,7 +31,7 @@ class SightAverage {
 struct Mission::Impl {
   Impl(const RobotModel& robot, const MissionConfig& settings, std::optional<Vector3d> guess, std::uint64_t run_seed);
 
-  Command step(const RobotState& state) noexcept;
+  Command step(const RobotState& measured) noexcept;
 
   // Watch over every tick. Each returns true when it stopped the mission.
   bool unhealthy(const RobotState& state) noexcept;
@@ -43,6 +43,8 @@ struct Mission::Impl {
   void approach(const RobotState& state);
   void reach(const RobotState& state);
   void start_reach(const RobotState& state);
+  [[nodiscard]] BasePose localise(const BasePose& odometry) const noexcept;
+  void correct_odometry(const HandleBelief& seen_again) noexcept;
   void zero(const RobotState& state) noexcept;
   void grasp(const RobotState& state) noexcept;
   void close_fingers(const RobotState& state) noexcept;
@@ -55,7 +57,7 @@ struct Mission::Impl {
   void enter(Phase next) noexcept;
   // Moves the hand towards a pose with the base standing; returns the position error [m].
   double move_hand(const RobotState& state, const Pose& target, double speed) noexcept;
-  void solve_hand_twist(const RobotState& state, const Vector6d& twist) noexcept;
+  void solve_hand_twist(const RobotState& state, const Vector6d& twist, bool base_fixed = true) noexcept;
   void command_zero() noexcept;
   void command_solution() noexcept;
   void command_joints(const JointVector& rates) noexcept;
@@ -83,9 +85,11 @@ struct Mission::Impl {
   bool interrupted = false;
   double time_in_phase = 0.0;
   bool planned = false;
+  bool located = false;
 
   SightAverage sights;
   HandleBelief handle;
+  BasePose odometry_origin;  // of the odometry frame in the frame of the first sight: removes the drift of the drive
   std::vector<GraspCandidate> candidates;
   std::size_t candidate = 0;
   GraspCandidate chosen;
@@ -97,8 +101,6 @@ struct Mission::Impl {
   int misses = 0;
   int probes = 0;
   double blocked_time = 0.0;
-  double unheard_time = 0.0;
-  bool fingers_open = false;
   Pose clear_pose = Pose::Identity();
   BasePose retreat_start;
   double retreat_sense = 0.0;

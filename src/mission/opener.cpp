@@ -76,7 +76,8 @@ EndDetector::Verdict Opener::step(const RobotState& state, const Kinematics& kin
   // Feel and learn.
   const bool pivots = !estimator_.estimate().rigid_grasp && bar_in_hand_.squaredNorm() > 0.5;
   const Vector3d free_axis = pivots ? Vector3d(R * bar_in_hand_) : Vector3d(Vector3d::Zero());
-  const ForceCorrection correction = force_law_.step(wrench, estimator_.estimate().direction, free_axis);
+  // Torque is nulled about every axis: a grip that pivots shows its friction only, one falsely taken to pivot is saved by it.
+  const ForceCorrection correction = force_law_.step(wrench, estimator_.estimate().direction, Vector3d::Zero());
   const EstimatorInput heard{.dt = dt, .hand = kin.X_WE, .velocity = V.head<3>(), .force = wrench.force,
                              .normal_correction = correction.velocity, .base_travel = std::abs(state.base_v) * dt};
   (void)estimator_.update(heard);  // the estimate itself says how sure it is
@@ -111,7 +112,8 @@ EndDetector::Verdict Opener::step(const RobotState& state, const Kinematics& kin
     const double leaf_turn = turned_.dot(free_axis);
     const double wanted = upright ? leaf_turn : std::clamp(-0.5 * leaf_turn, -kFlapTurn, kFlapTurn);
     problem.free_axis = free_axis;
-    problem.free_axis_rate = kPivotCentring * (wanted - log_so3(R * R_grasp_.transpose()).dot(free_axis));
+    problem.free_axis_rate = kPivotCentring * (wanted - log_so3(R * R_grasp_.transpose()).dot(free_axis)) -
+                             correction.turn.dot(free_axis);
   }
   problem.base = record.base.twist;
   problem.base_fixed = sure <= 0.0;

@@ -28,6 +28,8 @@ constexpr double kFingersStill = 0.15;   // [s]
 constexpr double kHeldOpening = 0.003;   // fingers farther apart than this hold something [m]
 constexpr int kMaxMisses = 3;
 constexpr int kProbeLevels = 3;
+constexpr double kRelease = 1e-3;        // gives way to what force is left: half of α_f [m/(N s)]
+constexpr double kReleaseTurn = 0.05;    // [rad/(N m s)]
 constexpr double kRelaxTime = 0.3;       // standstill before the fingers open [s]
 constexpr double kOpenFingerTime = 0.6;  // [s]
 constexpr double kWithdraw = 0.12;       // the hand leaves the handle by this much [m]
@@ -86,7 +88,6 @@ void Mission::Impl::next_candidate(const RobotState&) {
 }
 
 void Mission::Impl::start_reach(const RobotState& state) {
-  handle = sights.belief();
   chosen = candidates[candidate];
   if (!planner.choose_posture(handle, state.base, seed + candidate, chosen)) {
     next_candidate(state);
@@ -112,7 +113,12 @@ void Mission::Impl::reach(const RobotState& state) {
       process(Event::GaveUp, EndReason::HandleUnseen);
       return;
     }
-    start_reach(state);
+    if (!located) {
+      correct_odometry(sights.belief());
+      located = true;  // the next tick sees the base where it is
+    } else {
+      start_reach(state);
+    }
     return;
   }
   command_joints(joint_move.step(state.q, config.period));
@@ -129,14 +135,14 @@ void Mission::Impl::zero(const RobotState& state) noexcept {
   if (time_in_phase > kQuietTime + kZeroTime) process(Event::Zeroed);
 }
 
-void Mission::Impl::solve_hand_twist(const RobotState& state, const Vector6d& twist) noexcept {
+void Mission::Impl::solve_hand_twist(const RobotState& state, const Vector6d& twist, bool base_fixed) noexcept {
   WbcProblem problem;
   problem.kinematics = &record.kinematics;
   problem.q = &state.q;
   problem.measured.resize(model.inputs());
   problem.measured << state.dq, state.base_w, state.base_v;
   problem.tangential = twist;
-  problem.base_fixed = true;
+  problem.base_fixed = base_fixed;
   opener.scene().place(clearance, true);
   clearance.compute(model, state.base, clearances);
   problem.clearance = &clearances;
@@ -235,9 +241,12 @@ void Mission::Impl::open(const RobotState& state) noexcept {
 
 void Mission::Impl::release(const RobotState& state) noexcept {
   if (time_in_phase < kRelaxTime + kOpenFingerTime) {
-    controller.brake(record.solution);
-    command_solution();
-    if (time_in_phase > kRelaxTime) command.gripper_closed = false;
+    // The arm takes up what the base still rolls and lets the force go; then the fingers open.
+    Vector6d give;
+    give << -kRelease * record.wrench.force, -kReleaseTurn * record.wrench.torque;
+    if (time_in_phase > kRelaxTime) give.setZero();
+    solve_hand_twist(state, give, false);
+    command.gripper_closed = time_in_phase <= kRelaxTime;
     clear_pose = record.kinematics.X_WE;
     clear_pose.translation() -= kWithdraw * clear_pose.linear().col(2);
     return;
