@@ -153,9 +153,8 @@ void add_grasp(mjSpec& spec, const RobotModel& model, const Mechanism& mechanism
   mjs_setName(site->element, kGripSite);
   copy_to(site->pos, grip);
   mjsBody* held = slot.body;
-  if (grasp.pivots) {
-    const Vector3d bar = mechanism.handle.kind == HandleKind::Knob ? mechanism.handle.normal : mechanism.handle.bar;
-    held = &add_sleeve(*slot.body, grip, X_LW.linear() * bar);
+  if (grasp.pivots && mechanism.handle.kind == HandleKind::Bar) {
+    held = &add_sleeve(*slot.body, grip, X_LW.linear() * mechanism.handle.bar);
   }
   mjsEquality* weld = mjs_addEquality(&spec, nullptr);
   mjs_setName(weld->element, kGrasp);

@@ -119,6 +119,8 @@ struct MujocoPlant::Impl {
 void MujocoPlant::Impl::settle() {
   for (int i = 0; i < robot.joints(); ++i) data->qpos[at.joint_q[static_cast<std::size_t>(i)]] = q0(i);
   q_reference = q0;
+  mj_kinematics(model.get(), data.get());
+  grasp.reset(*data);
   mj_step1(model.get(), data.get());
   const std::array<double, 2> origin = rolls ? std::array<double, 2>{data->qpos[at.base_q], data->qpos[at.base_q + 1]} : std::array<double, 2>{};
   DriveReference rest;
@@ -146,6 +148,7 @@ void MujocoPlant::Impl::reset(std::uint64_t seed) {
   random = Random(seed);
   disturbances = draw_disturbances(config, random);
   mj_copyData(data.get(), model.get(), settled.get());
+  mj_kinematics(model.get(), data.get());
   grasp.reset(*data);
   contact_log.reset();
   commands.reset();

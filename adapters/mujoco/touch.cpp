@@ -60,7 +60,11 @@ Grasp::Grasp(mjModel& model, const RobotModel& robot, const Handle& handle, cons
 void Grasp::reset(mjData& data) noexcept {
   gripper_.reset();
   release(data);
-  allow_tool_on_leaf(true);
+  allow_tool_on_leaf(grip_distance(data) > kHandRoom);
+}
+
+double Grasp::grip_distance(const mjData& data) const noexcept {
+  return (vector3(data.site_xpos + 3 * hand_site_) - vector3(data.site_xpos + 3 * grip_site_)).norm();
 }
 
 void Grasp::allow_tool_on_leaf(bool allowed) noexcept {
@@ -100,25 +104,25 @@ void Grasp::read_force(const mjData& data) noexcept {
   torque_.setZero();
   for (int row = 0; row + 6 <= data.ne; ++row) {
     if (data.efc_type[row] != mjCNSTR_EQUALITY || data.efc_id[row] != equality_) continue;
-    // The rows push the hand; the handle gets the opposite. Rotation rows: half the angle in the held body's axes, scaled.
+    // Rows: hand against handle, world axes; then half the angle of the handle against the hand, the handle's axes, scaled.
     force_ = -vector3(data.efc_force + row);
     const double scale = 0.5 * model_.eq_data[mjNEQDATA * equality_ + 10];
-    torque_ = -scale * (matrix3(data.xmat + 9 * held_body_) * vector3(data.efc_force + row + 3));
+    torque_ = scale * (matrix3(data.xmat + 9 * held_body_) * vector3(data.efc_force + row + 3));
     return;
   }
 }
 
 void Grasp::creep(const mjData& data) noexcept {
   const double size = force_.norm();
-  if (size <= config_.slip_force) return;
-  // Half of the excess per step: the spring's damping makes the whole of it overshoot.
-  const Vector3d shift = 0.5 * (size - config_.slip_force) / config_.stiffness * force_ / size;
+  const double way = grip_creep(config_, size, model_.opt.timestep);
+  if (!(way > 0.0)) return;
+  const Vector3d shift = way / size * force_;
   Eigen::Map<Vector3d> anchor(model_.eq_data + mjNEQDATA * equality_);
   anchor += matrix3(data.xmat + 9 * held_body_).transpose() * shift;
 }
 
 void Grasp::step(mjData& data, bool closed, bool may_hold) noexcept {
-  const double distance = (vector3(data.site_xpos + 3 * hand_site_) - vector3(data.site_xpos + 3 * grip_site_)).norm();
+  const double distance = grip_distance(data);
   if (grasped_) {
     read_force(data);
     const bool lost = !may_hold || force_.norm() > config_.break_force || distance > drop_reach_;

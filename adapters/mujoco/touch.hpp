@@ -15,7 +15,7 @@ class Grasp {
   /// @throws PlantError  when the scene lacks its parts
   Grasp(mjModel& model, const RobotModel& robot, const Handle& handle, const GraspConfig& config);
 
-  /// Open, nothing held.
+  /// Open, nothing held. Needs the positions of the bodies.
   void reset(mjData& data) noexcept;
   /// After a physics step: moves the fingers, takes, holds, creeps or lets go. No allocation.
   /// @param may_hold  False forces the hand to lose what it holds
@@ -27,6 +27,7 @@ class Grasp {
   [[nodiscard]] const Vector3d& torque() const noexcept { return torque_; }     ///< Robot on handle about the hand, world [N m]
 
  private:
+  [[nodiscard]] double grip_distance(const mjData& data) const noexcept;
   void take(mjData& data) noexcept;
   void release(mjData& data) noexcept;
   void read_force(const mjData& data) noexcept;

@@ -7,6 +7,9 @@
 namespace ajar {
 namespace {
 
+/// Creep of a grip under the break force [m/s]; of the order of the speed at which handles are pulled, so that a hand that
+/// goes on regardless reaches the break force.
+constexpr double kCreepSpeed = 0.05;
 /// Speed of the fingers [m/s]: between the 0.02 and 0.15 m/s of the Robotiq 2F-85 data sheet.
 constexpr double kFingerSpeed = 0.1;
 
@@ -62,7 +65,7 @@ void WristSensor::reset(const Disturbances& disturbances) noexcept {
 }
 
 void WristSensor::sample(double time, const SensorWrench& truth, Random& random) noexcept {
-  if (time < next_sample_ - 1e-9) return;
+  if (!due(time)) return;
   next_sample_ = time + kWristSamplePeriod;
   sum_.force += truth.force + disturbances_.force_bias + time * disturbances_.force_drift + random.normal3(config_.force_noise);
   sum_.torque += truth.torque + disturbances_.torque_bias + random.normal3(config_.torque_noise);
@@ -123,6 +126,13 @@ HandleSight see_handle(const Handle& handle, const Pose& moved, const Pose& X_WB
 double grip_thickness(const Handle& handle, double stroke) noexcept {
   const bool graspable = handle.kind == HandleKind::Bar || handle.kind == HandleKind::Knob;
   return graspable && handle.thickness > 0.0 && handle.thickness < stroke ? handle.thickness : 0.0;
+}
+
+double grip_creep(const GraspConfig& grasp, double force, double dt) noexcept {
+  const double excess = force - grasp.slip_force;
+  if (!(excess > 0.0)) return 0.0;
+  const double range = std::max(grasp.break_force - grasp.slip_force, 1.0);
+  return std::min(dt * kCreepSpeed * excess / range, excess / grasp.stiffness);
 }
 
 void Gripper::step(bool closed, double between, double dt) noexcept {

@@ -78,6 +78,8 @@ class WristSensor {
 
   /// Starts a run. The bias is there from the first sample on.
   void reset(const Disturbances& disturbances) noexcept;
+  /// True when a sample is wanted at this time.
+  [[nodiscard]] bool due(double time) const noexcept { return time >= next_sample_ - 1e-9; }
   /// Offers the true wrench at a time; taken when 2 ms have passed since the last sample. No allocation.
   void sample(double time, const SensorWrench& truth, Random& random) noexcept;
   /// Writes the mean since the last reading into `sensor_force`, `sensor_torque`, `wrench_time`.
@@ -146,6 +148,11 @@ class Gripper {
   double stroke_;
   double opening_;
 };
+
+/// Way that an overloaded grip creeps along its force in one step: at 5 cm/s under the break force, in proportion below it,
+/// never beyond the point where the spring has the slip force again. [m]
+/// @param force  Size of the force in the grip [N]  @param dt  Step [s]
+[[nodiscard]] double grip_creep(const GraspConfig& grasp, double force, double dt) noexcept;
 
 /// What reaches the drives in one physics step.
 struct DriveReference {
