@@ -26,12 +26,14 @@ constexpr double kKeepDistance = 0.3;
 constexpr double kKeepTurn = 0.5;
 // Value from which a candidate is usable at all.
 constexpr double kUsable = 0.03;
-// Full roll-outs that must have been made before a good one ends the search.
-constexpr int kLeastRollOuts = 3;
+// Candidates handed over when none is usable.
+constexpr std::size_t kLastResorts = 3;
+// What arrival errors may cost against a plan that was not better than this anyway.
+constexpr double kArrivalLoss = 0.02;
+// How far below that is of no interest any more.
+constexpr double kWorthless = -0.05;
 // Starts per place and orientation before the next place gets its turn: variety first.
 constexpr int kStartsPerVisit = 3;
-// Postures tried in full at the pose reached.
-constexpr int kPosturesAtPose = 4;
 // Disturbed placements: error of the seen normal, of the base's place and of its heading.
 struct Disturbance {
   double normal;
@@ -58,6 +60,8 @@ bool finite(const HandleBelief& belief) {
          Vector2d(belief.normal.x(), belief.normal.y()).norm() > 0.1;
 }
 
+bool same_base(const BasePose& a, const BasePose& b) { return a.x == b.x && a.y == b.y && a.yaw == b.yaw; }
+
 Vector3d turned_about_z(const Vector3d& v, double angle) { return Eigen::AngleAxisd(angle, Vector3d::UnitZ()) * v; }
 
 template <typename T>
@@ -78,9 +82,7 @@ void PlannerConfig::validate() const {
   require(headings >= 1 && headings <= 72, "headings", headings, "in [1, 72]");
   require(ik_starts >= 1 && ik_starts <= 1000, "ik_starts", ik_starts, "in [1, 1000]");
   require(roll_outs >= 1 && roll_outs <= 10000, "roll_outs", roll_outs, "in [1, 10000]");
-  require(full_roll_outs >= 1 && full_roll_outs <= roll_outs, "full_roll_outs", full_roll_outs, "in [1, roll_outs]");
   require(kept >= 1 && kept <= 100, "kept", kept, "in [1, 100]");
-  require(good_enough >= 0.0 && good_enough <= 1.0, "good_enough", good_enough, "in [0, 1]");
   require(step > 0.0 && step <= 0.1, "step", step, "in (0, 0.1]");
   require(speed >= 0.02 && speed <= 0.5, "speed", speed, "in [0.02, 0.5]");
   require(least_sigma > 0.0 && least_sigma < 1.0, "least_sigma", least_sigma, "in (0, 1)");
@@ -96,10 +98,9 @@ struct GraspPlanner::Impl {
 
   std::vector<BasePose> places(const HandleBelief& belief);
   std::vector<Posture> pool(const HandleBelief& belief, Random& random, std::string& why);
-  double worst(const HandleBelief& belief, std::vector<MechanismHypothesis>& hypotheses, const Posture& posture, double enough,
-               bool full);
+  double worst(const HandleBelief& belief, std::vector<MechanismHypothesis>& hypotheses, const Posture& posture, double enough);
   std::vector<Posture> best_of(const HandleBelief& belief, std::vector<MechanismHypothesis>& hypotheses,
-                               std::vector<Posture> postures, int full_count);
+                               const std::vector<Posture>& postures, bool one_per_base);
   double disturbed(const HandleBelief& belief, std::vector<MechanismHypothesis>& hypotheses, const Posture& posture, double enough);
   std::vector<Posture> postures_at(const HandleBelief& belief, const BasePose& base, Random& random);
   bool complete(const HandleBelief& belief, const Posture& posture, GraspCandidate& out) const;
@@ -148,7 +149,7 @@ std::vector<Posture> GraspPlanner::Impl::pool(const HandleBelief& belief, Random
         const std::optional<JointVector> q = finder.reach(base, hand, random, tally);
         if (!q) continue;
         const bool known = std::any_of(out.begin(), out.end(), [&](const Posture& other) {
-          return other.base.x == base.x && other.base.y == base.y && other.base.yaw == base.yaw && same_posture(other.q, *q);
+          return same_base(other.base, base) && same_posture(other.q, *q);
         });
         if (!known && finder.usable(belief, base, *q, limits, tally)) out.push_back({base, *q, hand});
       }
@@ -161,12 +162,10 @@ std::vector<Posture> GraspPlanner::Impl::pool(const HandleBelief& belief, Random
 
 // Worst value over the hypotheses; the one that spoils a candidate moves to the front, as it will spoil others too.
 double GraspPlanner::Impl::worst(const HandleBelief& belief, std::vector<MechanismHypothesis>& hypotheses,
-                                 const Posture& posture, double enough, bool full) {
+                                 const Posture& posture, double enough) {
   double value = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < hypotheses.size(); ++i) {
-    const RollOutResult result = full ? roll_out.run(belief, hypotheses[i], posture.base, posture.q, enough)
-                                      : roll_out.screen(belief, hypotheses[i], posture.base, posture.q, enough);
-    value = std::min(value, result.value);
+    value = std::min(value, roll_out.run(belief, hypotheses[i], posture.base, posture.q, enough).value);
     if (value < enough) {
       std::rotate(hypotheses.begin(), hypotheses.begin() + static_cast<std::ptrdiff_t>(i),
                   hypotheses.begin() + static_cast<std::ptrdiff_t>(i) + 1);
@@ -176,27 +175,25 @@ double GraspPlanner::Impl::worst(const HandleBelief& belief, std::vector<Mechani
   return value;
 }
 
-// Screens all, then rolls the most promising out in full until enough good ones are known. Best first.
+// The best postures by their worst value, best first, one per base pose: the others would fail there for the same reason,
+// and all postures are tried again at the pose reached. Those that cannot enter the list are given up early.
 std::vector<Posture> GraspPlanner::Impl::best_of(const HandleBelief& belief, std::vector<MechanismHypothesis>& hypotheses,
-                                                 std::vector<Posture> postures, int full_count) {
-  const auto full = static_cast<std::size_t>(full_count);
-  const auto better = [](const Posture& a, const Posture& b) { return a.value > b.value; };
-  std::vector<double> values;
-  for (Posture& posture : postures) {
-    const double enough = values.size() < full ? kHopeless : values[full - 1];
-    posture.value = worst(belief, hypotheses, posture, enough, false);
-    values.insert(std::upper_bound(values.begin(), values.end(), posture.value, std::greater<>()), posture.value);
-  }
-  std::stable_sort(postures.begin(), postures.end(), better);
+                                                 const std::vector<Posture>& postures, bool one_per_base) {
   std::vector<Posture> out;
   const auto kept = static_cast<std::size_t>(config.kept);
-  for (std::size_t i = 0; i < postures.size() && i < full; ++i) {
-    Posture posture = postures[i];
-    const double enough = out.size() < kept ? kHopeless : out.back().value;
-    posture.value = worst(belief, hypotheses, posture, enough, true);
-    out.insert(std::upper_bound(out.begin(), out.end(), posture, better), posture);
+  for (Posture posture : postures) {
+    const auto rival = std::find_if(out.begin(), out.end(), [&](const Posture& other) {
+      return one_per_base && same_base(other.base, posture.base);
+    });
+    const double full = out.size() < kept ? kHopeless : out.back().value;
+    const double enough = rival == out.end() ? full : rival->value;
+    posture.value = worst(belief, hypotheses, posture, enough);
+    if (posture.value < enough) continue;
+    if (rival != out.end()) out.erase(rival);
+    const auto place = std::upper_bound(out.begin(), out.end(), posture,
+                                        [](const Posture& a, const Posture& b) { return a.value > b.value; });
+    out.insert(place, posture);
     if (out.size() > kept) out.pop_back();
-    if (static_cast<int>(i) + 1 >= kLeastRollOuts && out.front().value >= config.good_enough) break;
   }
   return out;
 }
@@ -216,7 +213,7 @@ double GraspPlanner::Impl::disturbed(const HandleBelief& belief, std::vector<Mec
                   wrap_angle(posture.base.yaw + d.normal + d.yaw)};
     moved.hand.linear() = Eigen::AngleAxisd(d.normal, Vector3d::UnitZ()).toRotationMatrix() * posture.hand.linear();
     if (!model.solve_ik(moved.base, moved.hand, moved.q)) return -1.0;
-    value = std::min(value, worst(seen, hypotheses, moved, enough, true));
+    value = std::min(value, worst(seen, hypotheses, moved, enough));
     if (value < enough) break;
   }
   return value;
@@ -264,15 +261,14 @@ std::vector<GraspCandidate> GraspPlanner::choose(const HandleBelief& belief, std
     std::erase_if(postures, [&](const Posture& posture) { return !impl.finder.approach(belief, posture); });
     if (postures.empty() && reason.empty()) reason = "no posture can come straight to the handle";
     std::vector<MechanismHypothesis> hypotheses = make_hypotheses(belief, impl.config);
-    std::vector<Posture> best = impl.best_of(belief, hypotheses, std::move(postures), impl.config.full_roll_outs);
-    double leader = kHopeless;
-    for (Posture& posture : best) {
-      posture.value = impl.disturbed(belief, hypotheses, posture, leader);
-      leader = std::max(leader, posture.value);
-    }
+    std::vector<Posture> best = impl.best_of(belief, hypotheses, postures, true);
+    for (Posture& posture : best) posture.value = impl.disturbed(belief, hypotheses, posture, kWorthless);
     std::stable_sort(best.begin(), best.end(), [](const Posture& a, const Posture& b) { return a.value > b.value; });
     for (const Posture& posture : best) {
       GraspCandidate candidate;
+      // Hopeless ones are handed over only when there is nothing better: then trying beats giving up.
+      if (posture.value < kUsable && out.size() >= kLastResorts) break;
+      if (posture.value < kUsable && !out.empty() && out.front().value >= kUsable) break;
       if (impl.complete(belief, posture, candidate)) out.push_back(candidate);
     }
   } else {
@@ -284,7 +280,8 @@ std::vector<GraspCandidate> GraspPlanner::choose(const HandleBelief& belief, std
 
 bool GraspPlanner::choose_posture(const HandleBelief& belief, const BasePose& base, std::uint64_t seed,
                                   GraspCandidate& candidate) const {
-  if (!finite(belief) || candidate.grasp.size() != impl_->model.joints()) return false;
+  const bool placed = std::isfinite(base.x) && std::isfinite(base.y) && std::isfinite(base.yaw);
+  if (!finite(belief) || !placed || candidate.grasp.size() != impl_->model.joints()) return false;
   Impl& impl = *impl_;
   // The orientation of the plan, carried over to the handle as it is seen now.
   const std::vector<Matrix3d> orientations = hand_orientations(belief);
@@ -295,7 +292,7 @@ bool GraspPlanner::choose_posture(const HandleBelief& belief, const BasePose& ba
   PostureTally tally;
   const bool near = std::hypot(base.x - candidate.base.x, base.y - candidate.base.y) < kKeepDistance &&
                     std::abs(wrap_angle(base.yaw - candidate.base.yaw)) < kKeepTurn;
-  if (near && impl.model.solve_ik(base, planned.hand, planned.q) &&
+  if (near && candidate.value >= kUsable && impl.model.solve_ik(base, planned.hand, planned.q) &&
       impl.finder.usable(belief, base, planned.q, {kKeepSigma, kKeepOwn, kKeepWall}, tally) &&
       impl.complete(belief, planned, candidate)) {
     return true;
@@ -304,9 +301,10 @@ bool GraspPlanner::choose_posture(const HandleBelief& belief, const BasePose& ba
   std::vector<Posture> postures = impl.postures_at(belief, base, random);
   std::erase_if(postures, [&](const Posture& posture) { return !impl.finder.approach(belief, posture); });
   std::vector<MechanismHypothesis> hypotheses = make_hypotheses(belief, impl.config);
-  const std::vector<Posture> best = impl.best_of(belief, hypotheses, std::move(postures), kPosturesAtPose);
+  const std::vector<Posture> best = impl.best_of(belief, hypotheses, postures, false);
+  const double least = std::min(kUsable, candidate.value - kArrivalLoss);
   for (const Posture& posture : best) {
-    if (posture.value >= kUsable && impl.complete(belief, posture, candidate)) return true;
+    if (posture.value >= least && impl.complete(belief, posture, candidate)) return true;
   }
   return false;
 }

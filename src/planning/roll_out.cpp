@@ -1,6 +1,5 @@
 #include "ajar/planning/roll_out.hpp"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 
@@ -46,13 +45,6 @@ constexpr double kPathGain = 2.0;         // of the roll-out's path error, in pl
 // A free grip is brought weakly to where it hinders least (as the loop does).
 constexpr double kPivotCentring = 0.3;    // [1/s]
 constexpr double kFlapTurn = 0.6;         // [rad]
-// Screening: longer steps, damping of the Newton step, clearances at every second one.
-constexpr double kScreenFactor = 2.5;
-constexpr double kScreenDamping = 1e-4;
-constexpr int kScreenClearance = 2;
-// Slower than this share of the wanted speed the arm is at the end of its reach.
-constexpr double kScreenStuck = 0.1;
-
 // Leaf box: from the axis to beyond the handle [m].
 constexpr double kLatchEdge = 0.09;
 constexpr double kHingeRoom = 0.05;
@@ -79,7 +71,6 @@ WbcConfig roll_out_limits(WbcConfig config) {
 struct RollOut::Motion {
   BasePose base;
   JointVector q;
-  BaseTwist twist;
   Vector3d p0 = Vector3d::Zero();
   Matrix3d R0 = Matrix3d::Identity();
   double arc = 0.0;
@@ -247,62 +238,6 @@ RollOutResult RollOut::run(const HandleBelief& belief, const MechanismHypothesis
     motion.base = integrate_base(motion.base, solution.u[n + 1], solution.u[n], dt);
     problem.measured = solution.u;
     motion.arc += motion.measured * dt;
-  }
-  result.fraction = std::min(1.0, motion.arc / hypothesis.travel);
-  result.value = roll_out_value(result, hypothesis.soft);
-  return result;
-}
-
-void RollOut::drive_screened(const BaseTwist& want, Motion& motion, double dt) const {
-  const double v = std::clamp(want.v, -wbc_.base_reverse, wbc_.base_forward);
-  const double w = std::clamp(want.w, -wbc_.base_yaw_rate, wbc_.base_yaw_rate);
-  const double dv = wbc_.base_acceleration * dt;
-  const double dw = wbc_.base_yaw_acceleration * dt;
-  motion.twist.v += std::clamp(v - motion.twist.v, -dv, dv);
-  motion.twist.w += std::clamp(w - motion.twist.w, -dw, dw);
-  motion.base = integrate_base(motion.base, motion.twist.v, motion.twist.w, dt);
-}
-
-// One damped Newton step to the next point, shortened to the joint rates. @return the share of the step that was made
-double RollOut::follow_screened(const Vector6d& error, Motion& motion, double dt) const {
-  const auto J = kinematics_.J.leftCols(model_.joints());
-  const Eigen::Matrix<double, 6, 6> A = J * J.transpose() + kScreenDamping * Eigen::Matrix<double, 6, 6>::Identity();
-  const Vector6d y = A.llt().solve(error);
-  const JointVector dq = J.transpose() * y;
-  const double excess = (dq.array().abs() / (wbc_.rate_scale * dt * model_.limits().velocity.array())).maxCoeff();
-  const double share = 1.0 / std::max(excess, 1.0);
-  motion.q += share * dq;
-  return share;
-}
-
-RollOutResult RollOut::screen(const HandleBelief& belief, const MechanismHypothesis& hypothesis, const BasePose& base,
-                              const JointVector& q, double enough) {
-  const double dt = kScreenFactor * config_.step;
-  const RobotLimits& limits = model_.limits();
-  RollOutResult result;
-  result.fraction = 1.0;
-  Motion motion = begin(belief, base, q);
-  BaseLaw law(base_law_);
-  law.reset(base, motion.p0);
-  for (int i = 0; motion.arc < hypothesis.travel; ++i) {
-    drive_screened(base_twist(law, hypothesis, motion, dt), motion, dt);
-    const double step = motion.speed * dt;
-    const HypothesisPoint point = point_at(hypothesis, motion.arc + step);
-    model_.compute(motion.base, motion.q, kinematics_);
-    result.sigma = std::min(result.sigma, arm_sigma_min(kinematics_, wbc_.length));
-    if (i % kScreenClearance == 0) {
-      place_leaf(belief, hypothesis, point, motion.arc);
-      clearance_.compute(model_, motion.base, clearances_);
-      note_clearances(result);
-    }
-    const Vector6d error = pose_error(hypothesis, motion, point);
-    const double share = follow_screened(error, motion, dt);
-    motion.arc += share * step;
-    motion.measured = share * motion.speed;
-    const bool outside = ((motion.q - limits.position_lower).array() < 0.0).any() ||
-                         ((limits.position_upper - motion.q).array() < 0.0).any();
-    if (outside || share < kScreenStuck || error.head<3>().norm() > kLostError + step) break;
-    if (roll_out_value(result, hypothesis.soft) < enough) break;
   }
   result.fraction = std::min(1.0, motion.arc / hypothesis.travel);
   result.value = roll_out_value(result, hypothesis.soft);

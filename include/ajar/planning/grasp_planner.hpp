@@ -31,10 +31,8 @@ struct PlannerConfig {
   std::vector<double> azimuths{-0.35, 0.0, 0.35};  ///< Of the base round the handle, from the normal [rad]
   int headings = 12;                             ///< Base headings tried per place
   int ik_starts = 22;                            ///< Random starts per place and hand roll
-  int roll_outs = 70;                            ///< Candidates rolled out
-  int full_roll_outs = 12;                       ///< Of those, rolled out with the whole-body QP
+  int roll_outs = 150;                           ///< Candidates rolled out
   int kept = 6;                                  ///< Candidates handed over, and checked with disturbed placements
-  double good_enough = 0.085;                    ///< Value at which the search ends early [-]
   double step = 0.1;                             ///< Time step of a roll-out [s]
   double speed = 0.12;                           ///< Cruise of a roll-out along the mechanism [m/s]
   double least_sigma = 0.09;                     ///< Of a candidate at the grasp [-]

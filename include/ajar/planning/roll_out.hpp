@@ -33,10 +33,6 @@ class RollOut {
   [[nodiscard]] RollOutResult run(const HandleBelief& belief, const MechanismHypothesis& hypothesis, const BasePose& base,
                                   const JointVector& q, double enough);
 
-  /// Much cheaper and optimistic: the arm follows by damped Newton steps, the base by its law; for sorting candidates.
-  [[nodiscard]] RollOutResult screen(const HandleBelief& belief, const MechanismHypothesis& hypothesis, const BasePose& base,
-                                     const JointVector& q, double enough);
-
   /// Distances of one posture to itself and to the believed wall; `own`, `arm` and `base` are filled.
   [[nodiscard]] RollOutResult look(const HandleBelief& belief, const BasePose& base, const JointVector& q);
 
@@ -48,8 +44,6 @@ class RollOut {
   [[nodiscard]] Motion begin(const HandleBelief& belief, const BasePose& base, const JointVector& q);
   void pose_problem(const MechanismHypothesis& hypothesis, const Motion& motion, const HypothesisPoint& point,
                     WbcProblem& problem) const;
-  void drive_screened(const BaseTwist& want, Motion& motion, double dt) const;
-  [[nodiscard]] double follow_screened(const Vector6d& error, Motion& motion, double dt) const;
   void place_leaf(const HandleBelief& belief, const MechanismHypothesis& hypothesis, const HypothesisPoint& point, double arc);
   void note_clearances(RollOutResult& result) const noexcept;
   [[nodiscard]] BaseTwist base_twist(BaseLaw& law, const MechanismHypothesis& hypothesis, Motion& motion, double dt) const;
