@@ -35,7 +35,7 @@ SimulatedPlant make_described(const PlantRequest& request) {
 SimulatedPlant make_from_model(const PlantRequest& request) {
   const ajar::MechanismSource& source = request.scenario.mechanism;
   ajar::MjcfWorld world;
-  world.path = ajar::scenario_path(request.scenario, source.mjcf);
+  world.path = source.mjcf;
   world.joint = source.joint;
   world.handle_site = source.handle_site;
   const Mechanism mechanism = ajar::load_mjcf_mechanism(world);

@@ -18,7 +18,7 @@ bool is_terminal() { return isatty(fileno(stderr)) == 1; }
 
 std::string bar(double share) {
   const int full = static_cast<int>(std::lround(std::clamp(share, 0.0, 1.0) * kBarWidth));
-  return "[" + std::string(static_cast<std::size_t>(full), '#') + std::string(static_cast<std::size_t>(kBarWidth - full), '.') + "]";
+  return fmt::format("[{:#<{}}{:.<{}}]", "", full, "", kBarWidth - full);
 }
 
 void end_line(bool& open_line) {

@@ -25,14 +25,14 @@ struct ValidateArguments {
   bool reference = false;
 };
 
-/// A campaign is told from a scenario by its tables: a scenario has [mechanism] at the top, a campaign [scenario] or a draw.
+/// A campaign is told from a scenario by what stands at the top: number of runs, base, what is drawn, or a table of doors.
 bool is_campaign(const fs::path& file) {
   std::ifstream in(file);
   for (std::string line; std::getline(in, line);) {
     const auto start = line.find_first_not_of(" \t");
     if (start == std::string::npos) continue;
     if (line.compare(start, 10, "[mechanism") == 0) return false;
-    for (const char* const mark : {"[campaign", "[scenario", "[sample", "draw", "runs", "table"}) {
+    for (const char* const mark : {"runs", "base", "[base", "[sample", "[table"}) {
       if (line.rfind(mark, start) == start) return true;
     }
   }
