@@ -20,8 +20,8 @@ constexpr const char* kCabinet = R"(
   <worldbody>
     <geom name="back wall" type="box" pos="0 0.6 1" size="2 0.05 1"/>
     <body name="cabinet" pos="0 0.25 0">
-      <geom name="carcass" type="box" pos="0 0.02 0.5" size="0.3 0.2 0.5"/>
-      <body name="door" pos="0.3 -0.21 0.75">
+      <geom name="carcass" type="box" pos="0 0.02 0.7" size="0.3 0.2 0.7"/>
+      <body name="door" pos="0.3 -0.21 1.1">
         <joint name="door_hinge" type="hinge" axis="0 0 -1" range="-110 0" damping="0.3" frictionloss="0.4"/>
         <geom name="door panel" type="box" pos="-0.3 0 0" size="0.29 0.01 0.22" mass="4"/>
         <geom name="door bar" type="capsule" pos="-0.52 -0.06 0" size="0.01 0.06" mass="0.1"/>
@@ -57,12 +57,12 @@ TEST_F(MjcfTest, DoorIsReadAsItIsWritten) {
   const Mechanism mechanism = load_mjcf_mechanism(door_world());
   EXPECT_EQ(mechanism.kind, JointKind::Hinge);
   EXPECT_LT((mechanism.axis - Vector3d::UnitZ()).norm(), 1e-9);  // opens by negative angles about -z
-  EXPECT_LT((mechanism.point - Vector3d(0.3, 0.04, 0.75)).norm(), 1e-9);
+  EXPECT_LT((mechanism.point - Vector3d(0.3, 0.04, 1.1)).norm(), 1e-9);
   EXPECT_NEAR(mechanism.travel, 110.0 * std::numbers::pi / 180.0, 1e-9);
   EXPECT_NEAR(mechanism.mass, 4.12, 1e-9);
   EXPECT_NEAR(mechanism.coulomb, 0.4, 1e-12);
   EXPECT_NEAR(mechanism.viscous, 0.3, 1e-12);
-  EXPECT_LT((mechanism.handle.position - Vector3d(-0.22, -0.02, 0.75)).norm(), 1e-9);
+  EXPECT_LT((mechanism.handle.position - Vector3d(-0.22, -0.02, 1.1)).norm(), 1e-9);
   EXPECT_LT((mechanism.handle.normal + Vector3d::UnitY()).norm(), 1e-6);
   EXPECT_NEAR(std::abs(mechanism.handle.bar.z()), 1.0, 1e-6);
   EXPECT_NEAR(mechanism.handle.thickness, 0.02, 1e-6);
