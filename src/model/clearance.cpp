@@ -1,12 +1,9 @@
 // The only source that sees Coal.
 #include "ajar/model/clearance.hpp"
 
+#include <coal/narrowphase/gjk.h>
+#include <coal/narrowphase/narrowphase_defaults.h>
 #include <coal/shape/geometric_shapes.h>
-// A switch in Coal's header sets the distance in every case, which GCC cannot see once it is inlined here.
-#pragma GCC diagnostic push
-#pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
-#include <coal/narrowphase/narrowphase.h>
-#pragma GCC diagnostic pop
 
 #include <algorithm>
 #include <array>
@@ -20,6 +17,7 @@
 namespace ajar {
 namespace {
 
+namespace coal_steps = coal::details;
 using PointJacobian = Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, kMaxInputs>;
 
 // A collision body with both of Coal's shapes ready, of which `kind` says the one that is meant.
@@ -34,6 +32,10 @@ struct Body {
   coal::Box box{0.1, 0.1, 0.1};
   Pose pose = Pose::Identity();        // world
   coal::Transform3s placed;            // the same for Coal
+
+  [[nodiscard]] const coal::ShapeBase& core() const {
+    return kind == CollisionShape::Kind::Box ? static_cast<const coal::ShapeBase&>(box) : capsule;
+  }
 
   void place(const Pose& X) {
     pose = X;
@@ -132,7 +134,10 @@ struct ClearanceChecker::Impl {
   std::vector<Body> bodies;
   std::vector<Pair> self_pairs;
   std::array<Obstacle, kMaxObstacles> obstacles;
-  coal::GJKSolver solver;
+  // Coal's steps are called one by one: its solver object builds a message, and so allocates, at every call.
+  coal_steps::MinkowskiDiff difference;
+  coal_steps::GJK gjk{coal::GJK_DEFAULT_MAX_ITERATIONS, coal::GJK_DEFAULT_TOLERANCE};
+  coal_steps::EPA epa{coal::EPA_DEFAULT_MAX_ITERATIONS, coal::EPA_DEFAULT_TOLERANCE};
   Shortlist shortlist;
   PointJacobian J_body, J_other;
 
@@ -154,6 +159,10 @@ ClearanceChecker::Impl::Impl(const RobotModel& model, const ClearanceConfig& c)
   for (std::size_t i = 0; i < model.shapes().size(); ++i) {
     bodies.push_back(make_body(model.shapes()[i], static_cast<int>(i)));
   }
+  gjk.setDistanceEarlyBreak(std::numeric_limits<double>::max());
+  gjk.gjk_variant = coal::DefaultGJK;
+  gjk.convergence_criterion = coal::Default;
+  gjk.convergence_criterion_type = coal::Relative;
   find_self_pairs(model);
   warm_up();
 }
@@ -211,25 +220,35 @@ bool ClearanceChecker::Impl::place_robot(const RobotModel& model, const BasePose
   return true;
 }
 
-// Signed distance and nearest points of the pair; the normal is kept usable when the cores just touch.
+// Signed distance and nearest points of the pair: GJK, and EPA where the cores (segments, boxes) overlap. The normal is kept usable
+// where both fail.
 double ClearanceChecker::Impl::measure(Found& found) {
   const Body& a = *found.body;
   const Body& b = *found.other;
-  const bool box_a = a.kind == CollisionShape::Kind::Box;
-  const bool box_b = b.kind == CollisionShape::Kind::Box;
-  coal::Vec3s towards_other = coal::Vec3s::Zero();
-  const auto run = [&](const auto& s, const auto& t) {
-    return solver.shapeDistance(s, a.placed, t, b.placed, true, found.on_body, found.on_other, towards_other);
-  };
-  found.distance = box_a ? (box_b ? run(a.box, b.box) : run(a.box, b.capsule)) : (box_b ? run(a.capsule, b.box) : run(a.capsule, b.capsule));
-  found.normal = -towards_other;
-  if (!found.normal.allFinite() || found.normal.squaredNorm() < 0.25 || !found.on_body.allFinite() || !found.on_other.allFinite()) {
+  const coal::Vec3s guess(1.0, 0.0, 0.0);
+  coal::Vec3s on_a, on_b, towards_b;  // in the axes of a
+  difference.set<coal_steps::NoSweptSphere>(&a.core(), &b.core(), a.placed, b.placed);
+  if (gjk.evaluate(difference, guess) == coal_steps::GJK::Collision) {
+    epa.reset(coal::EPA_DEFAULT_MAX_ITERATIONS, coal::EPA_DEFAULT_TOLERANCE);
+    epa.evaluate(gjk, -guess);
+    found.distance = std::min(0.0, -epa.depth);
+    epa.getWitnessPointsAndNormal(difference, on_a, on_b, towards_b);
+  } else {
+    found.distance = gjk.distance;
+    gjk.getWitnessPointsAndNormal(difference, on_a, on_b, towards_b);
+  }
+  const Vector3d middle = a.pose * (0.5 * (on_a + on_b));
+  found.normal = -(a.pose.linear() * towards_b);
+  if (!middle.allFinite() || !std::isfinite(found.distance) || !(found.normal.squaredNorm() > 0.25)) {
     const Vector3d apart = a.pose.translation() - b.pose.translation();
     found.normal = apart.norm() > 1e-9 ? Vector3d(apart.normalized()) : Vector3d(Vector3d::UnitZ());
     found.on_body = a.pose.translation();
     found.on_other = b.pose.translation();
     found.distance = std::isfinite(found.distance) ? found.distance : 0.0;
+    return found.distance;
   }
+  found.on_body = middle + 0.5 * found.distance * found.normal;
+  found.on_other = middle - 0.5 * found.distance * found.normal;
   return found.distance;
 }
 
@@ -268,6 +287,7 @@ void ClearanceChecker::Impl::write_row(const RobotModel& model, const BasePose& 
   out.kind = found.kind;
   out.obstacle = found.obstacle;
   out.shape = found.body->shape;
+  out.other_shape = found.other->shape;
   out.normal = found.normal;
   out.point_on_obstacle = found.on_other;
 }

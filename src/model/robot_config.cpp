@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <iterator>
 #include <sstream>
 
 #include "ajar/core/error.hpp"
@@ -245,11 +246,11 @@ std::string read_text(const std::filesystem::path& path) {
     throw IoError(path.string() + ": is a directory; allowed: a file");
   }
   std::ifstream stream(path, std::ios::binary);
-  std::ostringstream text;
-  if (!stream || !(text << stream.rdbuf())) {
-    throw IoError(path.string() + ": empty or cannot be read");
+  std::string text{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
+  if (!stream.is_open() || stream.bad()) {
+    throw IoError(path.string() + ": cannot be read");
   }
-  return text.str();
+  return text;
 }
 
 std::string join_names(const std::vector<std::string>& names, std::size_t most) {

@@ -32,6 +32,7 @@ struct ClearanceRow {
   ClearanceKind kind = ClearanceKind::Self;
   int obstacle = -1;                         ///< Index of the obstacle, -1 for the robot's own body
   int shape = -1;                            ///< Index in RobotModel::shapes()
+  int other_shape = -1;                      ///< Self: index of the body it is near to; -1 for obstacles
   Vector3d normal = Vector3d::UnitZ();       ///< From obstacle to robot, world axes
   Vector3d point_on_obstacle = Vector3d::Zero();  ///< World [m]
 };
