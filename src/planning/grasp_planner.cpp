@@ -26,7 +26,7 @@ constexpr double kKeepDistance = 0.3;
 constexpr double kKeepTurn = 0.5;
 // Value from which a candidate is usable at all.
 constexpr double kUsable = 0.03;
-// Candidates handed over when none is usable.
+// Candidates handed over even if they are not.
 constexpr std::size_t kLastResorts = 3;
 // What arrival errors may cost against a plan that was not better than this anyway.
 constexpr double kArrivalLoss = 0.02;
@@ -266,9 +266,8 @@ std::vector<GraspCandidate> GraspPlanner::choose(const HandleBelief& belief, std
     std::stable_sort(best.begin(), best.end(), [](const Posture& a, const Posture& b) { return a.value > b.value; });
     for (const Posture& posture : best) {
       GraspCandidate candidate;
-      // Hopeless ones are handed over only when there is nothing better: then trying beats giving up.
+      // Poor ones only fill the list up: trying them at the pose reached beats giving up.
       if (posture.value < kUsable && out.size() >= kLastResorts) break;
-      if (posture.value < kUsable && !out.empty() && out.front().value >= kUsable) break;
       if (impl.complete(belief, posture, candidate)) out.push_back(candidate);
     }
   } else {
