@@ -52,18 +52,18 @@ Built build(const RobotModel& robot, const Mechanism& mechanism, const PlantConf
   const SpecPtr spec = empty_world(config);
   add_floor(*spec, config);
   const LeafSlot slot = add_mechanism(*spec, mechanism);
-  add_robot(*spec, robot, config, start);
+  const Pose X_RB = add_robot(*spec, robot, config, start);
   add_grasp(*spec, robot, mechanism, config.grasp, slot);
-  return {compile(*spec, "scene of '" + mechanism.name + "' and '" + robot.name() + "'"), slot.joint, true};
+  return {compile(*spec, "scene of '" + mechanism.name + "' and '" + robot.name() + "'"), slot.joint, X_RB, true};
 }
 
 Built build(const RobotModel& robot, const MjcfWorld& world, const Mechanism& mechanism, const PlantConfig& config,
             const BasePose& start) {
   const SpecPtr spec = read_mjcf(world.path);
   const LeafSlot slot = adopt_world(*spec, world, config);
-  add_robot(*spec, robot, config, start);
+  const Pose X_RB = add_robot(*spec, robot, config, start);
   add_grasp(*spec, robot, mechanism, config.grasp, slot);
-  return {compile(*spec, world.path.string()), slot.joint, false};
+  return {compile(*spec, world.path.string()), slot.joint, X_RB, false};
 }
 
 }  // namespace ajar::scene

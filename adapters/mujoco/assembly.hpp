@@ -29,7 +29,8 @@ struct Addresses {
 /// A compiled scene and what the plant must know about it.
 struct Built {
   scene::ModelPtr model;
-  std::string joint;
+  std::string joint;             // the mechanism's
+  Pose X_RB = Pose::Identity();  // base frame in the robot's root link
   bool described = true;  // false: the model's own forces act on the mechanism
 };
 

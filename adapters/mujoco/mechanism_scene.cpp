@@ -109,7 +109,7 @@ void add_floor(mjSpec& spec, const PlantConfig& config) {
   floor->type = mjGEOM_PLANE;
   floor->size[2] = 0.1;
   floor->contype = 0;
-  floor->conaffinity = kFloorBit;
+  floor->conaffinity = kFloorBit | kWorldBit;
   floor->friction[0] = config.base.friction;
 }
 

@@ -272,6 +272,11 @@ Mechanism load_mjcf_mechanism(const MjcfWorld& request) {
   return mechanism;
 }
 
+void check_mjcf(const std::filesystem::path& path) {
+  const scene::SpecPtr spec = scene::read_mjcf(path);
+  static_cast<void>(scene::compile(*spec, path.string()));
+}
+
 namespace scene {
 
 SpecPtr read_mjcf(const std::filesystem::path& path) {
@@ -293,7 +298,7 @@ LeafSlot adopt_world(mjSpec& spec, const MjcfWorld& world, const PlantConfig& co
     if (geom.contype == 0 && geom.conaffinity == 0) continue;  // only to look at
     const bool on_ground = geom.type == mjGEOM_PLANE && std::abs(geom.pos[2]) < 1e-6 && std::abs(std::abs(geom.quat[0]) - 1.0) < 1e-6 &&
                            mjs_getParent(e) == mjs_findBody(&spec, "world");
-    geom.conaffinity |= on_ground ? kFloorBit : kWorldBit;
+    geom.conaffinity |= on_ground ? kFloorBit | kWorldBit : kWorldBit;
     floor = floor || on_ground;
   }
   if (!floor) add_floor(spec, config);

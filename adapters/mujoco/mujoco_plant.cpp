@@ -44,6 +44,7 @@ struct MujocoPlant::Impl {
         mechanism(true_mechanism),
         config(plant_config),
         start(start_pose),
+        X_RB(built.X_RB),
         described(built.described),
         model(std::move(built.model)),
         data(mj_makeData(model.get())),
@@ -89,6 +90,7 @@ struct MujocoPlant::Impl {
   Mechanism mechanism;
   PlantConfig config;
   BasePose start;
+  Pose X_RB;  // base frame in the body that the free joint moves
   bool described;
   scene::ModelPtr model;
   scene::DataPtr data;
@@ -258,8 +260,11 @@ void MujocoPlant::Impl::step() noexcept {
 BasePose MujocoPlant::Impl::base_pose() const noexcept {
   if (!rolls) return start;
   const double* q = data->qpos + at.base_q;
-  const double yaw = std::atan2(2.0 * (q[3] * q[6] + q[4] * q[5]), 1.0 - 2.0 * (q[5] * q[5] + q[6] * q[6]));
-  return {q[0], q[1], yaw};
+  Pose X_WR = Pose::Identity();
+  X_WR.linear() = Eigen::Quaterniond(q[3], q[4], q[5], q[6]).toRotationMatrix();
+  X_WR.translation() = vector3(q);
+  const Pose X_WB = X_WR * X_RB;
+  return {X_WB.translation().x(), X_WB.translation().y(), std::atan2(X_WB.linear()(1, 0), X_WB.linear()(0, 0))};
 }
 
 void MujocoPlant::Impl::update_odometry() noexcept {
@@ -342,7 +347,11 @@ void MujocoPlant::advance(double dt) noexcept {
   plant.pending += dt;
   while (plant.pending > 0.5 * plant.config.time_step) {
     plant.pending -= plant.config.time_step;
-    if (!plant.diverged) plant.step();
+    if (plant.diverged) {
+      plant.time += plant.config.time_step;
+    } else {
+      plant.step();
+    }
   }
   plant.update_odometry();
   plant.update_truth();

@@ -1,5 +1,6 @@
 // The robot as bodies: inertias from its URDF, collision shapes, wheels, casters, servos and the wrist sensor.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -107,18 +108,25 @@ void dress_tool(mjSpec& spec, const RobotModel& model, const PlantConfig& config
   mjs_setName(site->element, kHandSite);
 }
 
-/// Whether two parts of the arm can meet: parts less than three joints apart overlap where they are joined.
-bool can_meet(int joint_a, int joint_b) {
+/// Whether two parts of the robot can meet, by the rule of ClearanceChecker: the first link always sits on its mount, and
+/// neighbours overlap where they are joined.
+bool can_meet(const RobotModel& model, int joint_a, int joint_b) {
   const int low = std::min(joint_a, joint_b);
   const int high = std::max(joint_a, joint_b);
-  return low < 0 ? high >= 1 : high - low >= 3;
+  if (low < 0 ? high < 1 : high - low < 2) return false;
+  // MuJoCo excludes whole bodies, so one pair of shapes that the robot's file exempts frees the parts that carry them.
+  const auto joint_of = [&](int shape) { return model.shapes()[static_cast<std::size_t>(shape)].joint; };
+  return std::none_of(model.unchecked_pairs().begin(), model.unchecked_pairs().end(), [&](const std::array<int, 2>& pair) {
+    return std::min(joint_of(pair[0]), joint_of(pair[1])) == low && std::max(joint_of(pair[0]), joint_of(pair[1])) == high;
+  });
 }
 
-void add_shape(mjsBody& body, const CollisionShape& shape, int index) {
+void add_shape(mjsBody& body, const CollisionShape& shape, const Pose& X_body, int index) {
   mjsGeom* geom = mjs_addGeom(&body, nullptr);
   mjs_setName(geom->element, (shape.link + "#" + std::to_string(index)).c_str());
-  copy_to(geom->pos, shape.pose_in_joint.translation());
-  copy_quaternion(geom->quat, shape.pose_in_joint.linear());
+  const Pose pose = X_body * shape.pose_in_joint;
+  copy_to(geom->pos, pose.translation());
+  copy_quaternion(geom->quat, pose.linear());
   if (shape.kind == CollisionShape::Kind::Capsule) {
     geom->type = mjGEOM_CAPSULE;
     geom->size[0] = shape.radius;
@@ -133,15 +141,15 @@ void add_shape(mjsBody& body, const CollisionShape& shape, int index) {
   geom->conaffinity = kSelfBit;
 }
 
-void add_shapes(mjSpec& spec, const RobotModel& model, mjsBody& root) {
+void add_shapes(mjSpec& spec, const RobotModel& model, mjsBody& root, const Pose& X_RB) {
   int index = 0;
   for (const CollisionShape& shape : model.shapes()) {
     mjsBody& body = shape.joint < 0 ? root : body_of_joint(spec, model.joint_names()[static_cast<std::size_t>(shape.joint)]);
-    add_shape(body, shape, index++);
+    add_shape(body, shape, shape.joint < 0 ? X_RB : Pose::Identity(), index++);
   }
   for (int a = -1; a < model.joints(); ++a) {
     for (int b = a + 1; b < model.joints(); ++b) {
-      if (can_meet(a, b)) continue;
+      if (can_meet(model, a, b)) continue;
       const auto name = [&](int joint) {
         mjsBody& body = joint < 0 ? root : body_of_joint(spec, model.joint_names()[static_cast<std::size_t>(joint)]);
         return mjs_getString(mjs_getName(body.element));
@@ -153,7 +161,7 @@ void add_shapes(mjSpec& spec, const RobotModel& model, mjsBody& root) {
   }
 }
 
-void add_casters(mjsBody& root, const RobotModel& model) {
+void add_casters(mjsBody& root, const RobotModel& model, const Pose& X_RB) {
   Vector3d lower = Vector3d::Constant(std::numeric_limits<double>::infinity());
   Vector3d upper = -lower;
   for (const CollisionShape& shape : model.shapes()) {
@@ -174,7 +182,7 @@ void add_casters(mjsBody& root, const RobotModel& model) {
     mjsGeom* geom = mjs_addGeom(&root, nullptr);
     geom->type = mjGEOM_SPHERE;
     geom->size[0] = kCasterRadius;
-    copy_to(geom->pos, Vector3d(middle.x() + corner.x(), middle.y() + corner.y(), kCasterRadius));
+    copy_to(geom->pos, X_RB * Vector3d(middle.x() + corner.x(), middle.y() + corner.y(), kCasterRadius));
     geom->mass = geom->density = 0.0;
     geom->contype = kFloorBit;
     geom->conaffinity = 0;
@@ -186,11 +194,12 @@ void add_casters(mjsBody& root, const RobotModel& model) {
 }
 
 /// Spheres, not cylinders: a cylinder touches in several points and scrubs the floor (84 mm of drift over 1.7 m).
-void add_wheels(mjsBody& root, const RobotModel& model, const PlantConfig& config) {
+void add_wheels(mjsBody& root, const RobotModel& model, const PlantConfig& config, const Pose& X_RB) {
   for (int side = 0; side < 2; ++side) {
     mjsBody* body = mjs_addBody(&root, nullptr);
     mjs_setName(body->element, kWheel[side]);
-    copy_to(body->pos, Vector3d(0.0, (side == 0 ? 0.5 : -0.5) * model.wheel_track(), model.wheel_radius()));
+    copy_to(body->pos, X_RB * Vector3d(0.0, (side == 0 ? 0.5 : -0.5) * model.wheel_track(), model.wheel_radius()));
+    copy_quaternion(body->quat, X_RB.linear());
     mjsJoint* joint = mjs_addJoint(body, nullptr);
     mjs_setName(joint->element, kWheel[side]);
     joint->type = mjJNT_HINGE;
@@ -253,6 +262,21 @@ void add_wrist_sensor(mjSpec& spec) {
   }
 }
 
+/// Pose of the base frame in the URDF's root link: the difference between where both say the hand is, all joints at zero.
+Pose base_in_root(const mjSpec& robot, const RobotModel& model) {
+  const SpecPtr copy(mj_copySpec(&robot));
+  const ModelPtr compiled = compile(*copy, model.urdf_path().string());
+  const DataPtr data(mj_makeData(compiled.get()));
+  mj_kinematics(compiled.get(), data.get());
+  const int site = mj_name2id(compiled.get(), mjOBJ_SITE, kHandSite);
+  Pose X_RE = Pose::Identity();
+  X_RE.linear() = matrix3(data->site_xmat + 9 * site);
+  X_RE.translation() = vector3(data->site_xpos + 3 * site);
+  Kinematics kinematics;
+  model.compute(BasePose(), JointVector::Zero(model.joints()), kinematics);
+  return X_RE * kinematics.X_WE.inverse(Eigen::Isometry);
+}
+
 SpecPtr read_urdf(const RobotModel& model) {
   char message[512] = "";
   SpecPtr spec(mj_parseXML(model.urdf_path().string().c_str(), nullptr, message, sizeof message));
@@ -282,7 +306,7 @@ std::vector<ServoGains> servo_gains(const RobotModel& model) {
   return gains;
 }
 
-void add_robot(mjSpec& spec, const RobotModel& model, const PlantConfig& config, const BasePose& start) {
+Pose add_robot(mjSpec& spec, const RobotModel& model, const PlantConfig& config, const BasePose& start) {
   SpecPtr robot = read_urdf(model);
   mjsElement* first = mjs_firstChild(mjs_findBody(robot.get(), "world"), mjOBJ_BODY, 0);
   if (first == nullptr) throw ModelError(model.urdf_path().string() + ": has no links");
@@ -290,19 +314,19 @@ void add_robot(mjSpec& spec, const RobotModel& model, const PlantConfig& config,
   root.fuse = 0;
   dress_joints(*robot, model);
   dress_tool(*robot, model, config);
-  add_shapes(*robot, model, root);
+  const Pose X_RB = base_in_root(*robot, model);
+  add_shapes(*robot, model, root, X_RB);
   if (model.base_type() == BaseType::Differential) {
-    add_casters(root, model);
-    add_wheels(root, model, config);
+    add_casters(root, model, X_RB);
+    add_wheels(root, model, config, X_RB);
   }
   if (mjs_fuseStatic(robot.get(), nullptr) < 0) {
     throw ModelError(model.urdf_path().string() + ": " + mjs_getError(robot.get()));
   }
-  mjsBody* world = mjs_findBody(&spec, "world");
-  mjsFrame* frame = mjs_addFrame(world, nullptr);
-  const Pose X_WB = to_pose(start);
-  copy_to(frame->pos, X_WB.translation());
-  copy_quaternion(frame->quat, X_WB.linear());
+  mjsFrame* frame = mjs_addFrame(mjs_findBody(&spec, "world"), nullptr);
+  const Pose X_WR = to_pose(start) * X_RB.inverse(Eigen::Isometry);
+  copy_to(frame->pos, X_WR.translation());
+  copy_quaternion(frame->quat, X_WR.linear());
   mjsElement* attached = mjs_attach(frame->element, root.element, kRobotPrefix, "");
   if (attached == nullptr) throw ModelError(model.urdf_path().string() + ": " + mjs_getError(&spec));
   if (model.base_type() == BaseType::Differential) {
@@ -311,6 +335,7 @@ void add_robot(mjSpec& spec, const RobotModel& model, const PlantConfig& config,
   }
   add_actuators(spec, model, config);
   add_wrist_sensor(spec);
+  return X_RB;
 }
 
 }  // namespace ajar::scene

@@ -72,8 +72,9 @@ void add_floor(mjSpec& spec, const PlantConfig& config);
 
 /// Adds leaf, joint and surrounding boxes of a described mechanism.
 [[nodiscard]] LeafSlot add_mechanism(mjSpec& spec, const Mechanism& mechanism);
-/// Adds the robot at its start. @throws ModelError
-void add_robot(mjSpec& spec, const RobotModel& model, const PlantConfig& config, const BasePose& start);
+/// Adds the robot at its start. Its free joint moves the URDF's root link.
+/// @return X_RB, the base frame in the root link  @throws ModelError
+[[nodiscard]] Pose add_robot(mjSpec& spec, const RobotModel& model, const PlantConfig& config, const BasePose& start);
 /// Adds grip site, sleeve, grasp and lock of the mechanism. Last step before compiling.
 void add_grasp(mjSpec& spec, const RobotModel& model, const Mechanism& mechanism, const GraspConfig& grasp, const LeafSlot& slot);
 

@@ -27,6 +27,11 @@ struct MjcfWorld {
 /// @throws ModelError  when joint or site do not exist (names those that do) or no way out of the leaf is found
 [[nodiscard]] Mechanism load_mjcf_mechanism(const MjcfWorld& world);
 
+/// Reads and compiles a model, whatever it holds.
+/// @throws IoError     when the file cannot be read
+/// @throws ModelError  when MuJoCo refuses it
+void check_mjcf(const std::filesystem::path& path);
+
 /// Robot, mechanism and surroundings as rigid bodies in contact. (docs/equations.md#plant)
 ///
 /// The arm follows integrated rates through stiff joint servos, the base drives on two wheels that can slip, the grasp is
