@@ -2,6 +2,7 @@
 // feels is what the handle gets, a torque step turns the leaf by its inertia. The stance comes from the robot's own
 // inverse kinematics; whole openings are left to the mission's tests.
 #include <cmath>
+#include <cstdio>
 #include <memory>
 
 #include <gtest/gtest.h>
@@ -202,6 +203,24 @@ TEST_F(MujocoGraspTest, PullingALockedDoorIsFeltAsPullOnTheHandle) {
   EXPECT_LT((felt.force - plant.truth().force).norm(), 0.01 * felt.force.norm() + 0.05);
   EXPECT_LT((felt.torque - plant.truth().torque).norm(), 0.05);
   EXPECT_LT(plant.truth().opening, 1e-3);
+}
+
+TEST_F(MujocoGraspTest, ArmGivesWayLikeAStiffRobot) {
+  PlantConfig config = quiet();
+  config.faults = {{Fault::Kind::DoorLocked, 0.0}};
+  config.grasp.stiffness = 1e5;
+  const auto holder = holding(easy_door(), config);
+  MujocoPlant& plant = *holder;
+  Command pull = still(robot, true);
+  const Vector3d outward = plant.mechanism().handle.normal;
+  pull.dq = arm_rates(robot, plant.measure(), 0.01 * outward);
+  hold(plant, pull, 0.5);
+  hold(plant, still(robot, true), 1.0);
+  // The command went 5 mm; what the force leaves of it per newton is the compliance of arm, base and grasp together.
+  const double stiffness = plant.truth().force.dot(outward) / 0.005;
+  std::printf("[ measured ] %.0f N/m at the hand, grasp of 1e5 N/m included\n", stiffness);
+  EXPECT_GT(stiffness, 2e3);
+  EXPECT_LT(stiffness, 5e4);
 }
 
 TEST_F(MujocoGraspTest, PullingAFreeDoorOpensIt) {
