@@ -1,25 +1,14 @@
 // The command line: one file per command; here only what they share.
-#include <fmt/format.h>
-
-#include <cstdio>
 #include <exception>
 #include <string>
 
 #include "ajar/campaign/run.hpp"
 #include "ajar/core/error.hpp"
 #include "commands.hpp"
+#include "complain.hpp"
 #include "exit_codes.hpp"
 
 namespace {
-
-/// A message on one line of standard error.
-void complain(const std::string& text) {
-  std::string line = text;
-  for (char& c : line) {
-    if (c == '\n' || c == '\r') c = ' ';
-  }
-  fmt::print(stderr, "ajar: {}\n", line);
-}
 
 int parse_and_run(CLI::App& program, int argc, char** argv, const int& exit_code) {
   try {
@@ -27,6 +16,11 @@ int parse_and_run(CLI::App& program, int argc, char** argv, const int& exit_code
     return exit_code;
   } catch (const CLI::Success& asked) {  // --help, --version
     return program.exit(asked);
+  } catch (const CLI::RequiredError& error) {
+    const bool unknown = argc > 1 && program.get_subcommands().empty();
+    complain(unknown ? std::string("unknown command '") + argv[1] + "'; allowed: run, campaign, validate, report"
+                     : std::string(error.what()) + " (see ajar --help)");
+    return kBadInput;
   } catch (const CLI::ParseError& error) {
     complain(std::string(error.what()) + " (see ajar --help)");
     return kBadInput;

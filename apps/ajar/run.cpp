@@ -38,15 +38,15 @@ fs::path free_folder(const fs::path& scenario) {
 }
 
 void print_figure(const std::string& name, const std::optional<double>& value, double scale, const std::string& unit) {
-  if (value) fmt::print("{:<22}{:.4g} {}\n", name, *value * scale, unit);
+  if (value) fmt::print("{:<24}{:.4g} {}\n", name, *value * scale, unit);
 }
 
 void print_result(const ajar::RunResult& r, const fs::path& folder) {
   const double degree = 180.0 / std::numbers::pi;
   const bool hinge = r.mechanism_type_true == "hinge";
-  fmt::print("{:<22}{} ({} in phase {})\n", "outcome", r.outcome, r.reason, r.phase);
-  if (!r.explanation.empty()) fmt::print("{:<22}{}\n", "", r.explanation);
-  fmt::print("{:<22}{}, the robot says {}\n", "mechanism", r.mechanism_type_true, r.mechanism_type_estimated);
+  fmt::print("{:<24}{} ({} in phase {})\n", "outcome", r.outcome, r.reason, r.phase);
+  if (!r.explanation.empty()) fmt::print("{:<24}{}\n", "", r.explanation);
+  fmt::print("{:<24}{}, the robot says {}\n", "mechanism", r.mechanism_type_true, r.mechanism_type_estimated);
   print_figure("opening", r.opening, hinge ? degree : 1.0, hinge ? "°" : "m");
   print_figure("of what was wanted", r.opening_fraction, 100.0, "%");
   print_figure("duration", r.duration, 1.0, "s");
@@ -56,10 +56,10 @@ void print_result(const ajar::RunResult& r, const fs::path& folder) {
   print_figure("peak pull force", r.peak_pull_force, 1.0, "N");
   print_figure("direction error at end", r.direction_error_final, degree, "°");
   print_figure("curvature error", r.curvature_error_final, 1.0, "1/m");
-  fmt::print("{:<22}{}\n", "unwanted contacts", r.unwanted_contacts.size());
+  fmt::print("{:<24}{}\n", "unwanted contacts", r.unwanted_contacts.size());
   print_figure("speed", r.real_time_factor, 1.0, "x real time");
-  for (const std::string& note : r.notes) fmt::print("{:<22}{}\n", "note", note);
-  fmt::print("{:<22}{}\n", "report", (folder / "report.html").string());
+  for (const std::string& note : r.notes) fmt::print("{:<24}{}\n", "note", note);
+  fmt::print("{:<24}{}\n", "report", (folder / "report.html").string());
 }
 
 int run(const RunArguments& arguments) {

@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 
-#include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <memory>
@@ -11,6 +10,7 @@
 #include "ajar/core/error.hpp"
 #include "ajar/mujoco/mujoco_plant.hpp"
 #include "commands.hpp"
+#include "complain.hpp"
 #include "exit_codes.hpp"
 #include "plants.hpp"
 
@@ -57,6 +57,8 @@ void check_file(const std::string& name, const ValidateArguments& arguments) {
     static_cast<void>(ajar::load_robot(name));
   } else if (type == ".csv") {
     check_doors(file);
+  } else if (type == ".xml" && arguments.joint.empty() && arguments.handle.empty()) {
+    ajar::check_mjcf(file);
   } else if (type == ".xml") {
     ajar::MjcfWorld world;
     world.path = file;
@@ -79,7 +81,7 @@ int validate(const ValidateArguments& arguments) {
       check_file(file, arguments);
       fmt::print("ok: {}\n", file);
     } catch (const ajar::Error& error) {
-      fmt::print(stderr, "ajar: {}\n", error.what());
+      complain(error.what());
       exit_code = kBadInput;
     }
   }
@@ -92,8 +94,8 @@ void add_validate(CLI::App& program, int& exit_code) {
   CLI::App* const command = program.add_subcommand("validate", "Checks scenario, campaign, URDF, MJCF or door files without running");
   const auto arguments = std::make_shared<ValidateArguments>();
   CLI::Option* const files = command->add_option("FILE", arguments->files, "Files");
-  command->add_option("--joint", arguments->joint, "MJCF: the joint that opens");
-  command->add_option("--handle", arguments->handle, "MJCF: the site at the centre of the grip");
+  command->add_option("--joint", arguments->joint, "MJCF: also look for the joint that opens");
+  command->add_option("--handle", arguments->handle, "MJCF: also look for the site at the centre of the grip");
   CLI::Option* const reference = command->add_flag("--reference", arguments->reference, "Prints all keys of a scenario as Markdown");
   command->callback([=, &exit_code] {
     if (files->count() + reference->count() == 0) throw CLI::RequiredError("FILE");

@@ -100,7 +100,7 @@ TEST_F(Program, VersionIsThatOfTheBuild) {
 }
 
 TEST_F(Program, RefusesWrongUsageInOneLine) {
-  expect_refused({}, "subcommand");
+  expect_refused({}, "subcommand is required");
   expect_refused({"fly"}, "fly");
   expect_refused({"run"}, "SCENARIO");
   expect_refused({"run", "a.toml", "--sed", "1"}, "--sed");
@@ -132,7 +132,7 @@ TEST_F(Program, RefusesAnOutputThatCannotBeWritten) {
 TEST_F(Program, RefusesRobotsWithoutAHandFrame) {
   std::string description = text_of(kSource + "/robots/heron/heron.toml");
   ASSERT_FALSE(description.empty());
-  description = std::regex_replace(description, std::regex(R"((hand_frame|hand)\s*=\s*"[^"]*")"), "$1 = \"nothing\"");
+  description = std::regex_replace(description, std::regex(R"(\[hand\]\s*frame = "[^"]*")"), "[hand]\nframe = \"nothing\"");
   write("heron.toml", description);
   write("heron.urdf", text_of(kSource + "/robots/heron/heron.urdf"));
   expect_refused({"run", write("door.toml", kDoor), "--set", "robot=heron.urdf"}, "nothing");
@@ -156,6 +156,9 @@ TEST_F(Program, ValidatesEveryKindOfFileAndReportsAllThatAreWrong) {
   const Output right = run({"validate", kSource + "/scenarios/demo.toml", kSource + "/robots/heron/heron.urdf", kSource + "/campaigns/doors.csv"});
   EXPECT_EQ(right.exit_code, 0) << right.err;
   EXPECT_EQ(std::count(right.out.begin(), right.out.end(), '\n'), 3);
+  const Output model = run({"validate", write("box.xml", "<mujoco><worldbody><geom size='.1'/></worldbody></mujoco>")});
+  EXPECT_EQ(model.exit_code, 0) << model.err;
+  expect_refused({"validate", write("broken.xml", "<mujoco><world/></mujoco>")}, "broken.xml");
   const Output wrong = run({"validate", "a.toml", kSource + "/scenarios/demo.toml", "b.toml"});
   EXPECT_EQ(wrong.exit_code, 2);
   EXPECT_NE(wrong.err.find("a.toml: no such file"), std::string::npos);
@@ -183,6 +186,22 @@ TEST_F(Program, ARunLeavesAFolderThatRunsAgainToTheSameBytes) {
   EXPECT_EQ(second.err, "");
   EXPECT_EQ(text_of(folder_ / "two/log.csv"), text_of(folder_ / "one/log.csv"));
   EXPECT_EQ(text_of(folder_ / "two/scenario.toml"), text_of(folder_ / "one/scenario.toml"));
+}
+
+TEST_F(Program, ACampaignLeavesOneRowPerRun) {
+  write("c.toml", "runs = 3\nseed = 2\n[base.mechanism]\ntype = \"slide\"\n[base.belief]\ndirection_error_deg = 10\n"
+                  "[base.plant]\nkind = \"kinematic\"\n[base.goal]\nopening_m = 0.1\n");
+  const Output output = run({"campaign", "c.toml", "--runs", "2", "--jobs", "2", "--keep", "none", "--out", "c", "--quiet"});
+  EXPECT_EQ(output.exit_code, 0) << output.err;
+  const std::string rows = text_of(folder_ / "c/runs.csv");
+  EXPECT_EQ(std::count(rows.begin(), rows.end(), '\n'), 3) << rows;
+  EXPECT_TRUE(fs::exists(folder_ / "c/summary.json"));
+}
+
+TEST_F(Program, RefusesBadCampaignsInOneLine) {
+  expect_refused({"campaign", "nowhere.toml"}, "nowhere.toml: no such file");
+  expect_refused({"campaign", write("k.toml", "runs = 3\nruns_ = 2\n")}, "k.toml:2: runs_: unknown key");
+  expect_refused({"campaign", "k.toml", "--keep", "some"}, "--keep");
 }
 
 TEST_F(Program, CtrlCStopsTheRobotAndExitsOne) {
