@@ -61,14 +61,17 @@ int run_all(const CampaignArguments& arguments) {
 }  // namespace
 
 void add_campaign(CLI::App& program, int& exit_code) {
-  CLI::App* const command = program.add_subcommand("campaign", "Many runs, sampled or listed; writes runs.csv and summary.json");
+  CLI::App* const command =
+      program.add_subcommand("campaign", "Many runs, sampled or listed; writes runs.csv and summary.json");
   const auto arguments = std::make_shared<CampaignArguments>();
-  const std::map<std::string, ajar::Keep> keep{{"failed", ajar::Keep::Failed}, {"all", ajar::Keep::All}, {"none", ajar::Keep::None}};
+  const std::map<std::string, ajar::Keep> keep{
+      {"failed", ajar::Keep::Failed}, {"all", ajar::Keep::All}, {"none", ajar::Keep::None}};
   command->add_option("CAMPAIGN", arguments->campaign, "Campaign file (TOML)")->required();
   command->add_option("--runs", arguments->runs, "Number of runs instead of the file's")->check(CLI::Range(1, 100000000));
   command->add_option("--jobs", arguments->jobs, "Threads; 0 = one per processor")->check(CLI::Range(0, 4096));
   command->add_option("--seed", arguments->seed, "Seed instead of the file's");
-  command->add_option("--keep", arguments->keep, "Run folders to keep: failed, all or none")->transform(CLI::CheckedTransformer(keep));
+  command->add_option("--keep", arguments->keep, "Run folders to keep: failed, all or none")
+      ->transform(CLI::CheckedTransformer(keep));
   command->add_option("--out", arguments->out, "Folder; default runs/CAMPAIGN");
   command->add_flag("--resume", arguments->resume, "Go on where a campaign was broken off");
   command->add_flag("--quiet", arguments->quiet, "No progress on standard error");

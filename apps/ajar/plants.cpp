@@ -93,8 +93,9 @@ void check_reach(const ajar::Scenario& scenario, const ajar::RobotModel& model) 
     lowest = std::min(lowest, height);
     highest = std::max(highest, height);
   }
-  throw ajar::ConfigError(fmt::format("{}: mechanism.handle_height_m = {}: allowed: what robot {} reaches, about {:.1f} … {:.1f} m",
-                                      scenario.file.string(), handle.position.z(), model.name(), lowest, highest));
+  throw ajar::ConfigError(
+      fmt::format("{}: mechanism.handle_height_m = {}: allowed: what robot {} reaches, about {:.1f} … {:.1f} m",
+                  scenario.file.string(), handle.position.z(), model.name(), lowest, highest));
 }
 
 void check_scenario(const ajar::Scenario& scenario) {

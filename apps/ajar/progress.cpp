@@ -42,7 +42,8 @@ RunTicker::RunTicker(ajar::JointKind kind) : kind_(kind), terminal_(is_terminal(
 std::string RunTicker::line(const ajar::RunProgress& p) const {
   std::string text = fmt::format("{:6.1f} s  {:<9}", p.time, ajar::to_string(p.phase));
   if (p.phase != ajar::Phase::Probe && p.phase != ajar::Phase::Open && p.phase != ajar::Phase::Release) return text;
-  text += kind_ == ajar::JointKind::Hinge ? fmt::format(" opening {:5.1f}°", p.opening / kDegree) : fmt::format(" opening {:.3f} m", p.opening);
+  text += kind_ == ajar::JointKind::Hinge ? fmt::format(" opening {:5.1f}°", p.opening / kDegree)
+                                          : fmt::format(" opening {:.3f} m", p.opening);
   text += fmt::format("  force {:4.0f} N", p.force);
   if (p.record != nullptr) {
     const ajar::MechanismEstimate& e = p.record->estimate;

@@ -91,7 +91,8 @@ void add_run(CLI::App& program, int& exit_code) {
   CLI::App* const command = program.add_subcommand("run", "One mission; writes a run folder");
   const auto arguments = std::make_shared<RunArguments>();
   command->add_option("SCENARIO", arguments->scenario, "Scenario file (TOML)")->required();
-  command->add_option("--set", arguments->overrides, "KEY=VALUE: any key of the scenario; may stand several times")->allow_extra_args(false);
+  command->add_option("--set", arguments->overrides, "KEY=VALUE: any key of the scenario; may stand several times")
+      ->allow_extra_args(false);
   command->add_option("--seed", arguments->seed, "Seed instead of the scenario's");
   command->add_option("--out", arguments->out, "Run folder; default runs/SCENARIO-NUMBER");
   command->add_flag("--quiet", arguments->quiet, "No progress on standard error");

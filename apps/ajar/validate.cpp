@@ -47,7 +47,8 @@ void check_file(const std::string& name, const ValidateArguments& arguments) {
   const fs::path file(name);
   std::error_code status;
   if (!fs::exists(file, status)) throw ajar::IoError(name + ": no such file");
-  if (fs::is_directory(file, status)) throw ajar::IoError(name + ": is a directory; allowed: a .toml, .urdf, .xml or .csv file");
+  if (fs::is_directory(file, status))
+    throw ajar::IoError(name + ": is a directory; allowed: a .toml, .urdf, .xml or .csv file");
   const std::string type = file.extension().string();
   if (type == ".toml" && is_campaign(file)) {
     static_cast<void>(ajar::load_campaign(file));
@@ -91,12 +92,14 @@ int validate(const ValidateArguments& arguments) {
 }  // namespace
 
 void add_validate(CLI::App& program, int& exit_code) {
-  CLI::App* const command = program.add_subcommand("validate", "Checks scenario, campaign, URDF, MJCF or door files without running");
+  CLI::App* const command =
+      program.add_subcommand("validate", "Checks scenario, campaign, URDF, MJCF or door files without running");
   const auto arguments = std::make_shared<ValidateArguments>();
   CLI::Option* const files = command->add_option("FILE", arguments->files, "Files");
   command->add_option("--joint", arguments->joint, "MJCF: also look for the joint that opens");
   command->add_option("--handle", arguments->handle, "MJCF: also look for the site at the centre of the grip");
-  CLI::Option* const reference = command->add_flag("--reference", arguments->reference, "Prints all keys of a scenario as Markdown");
+  CLI::Option* const reference =
+      command->add_flag("--reference", arguments->reference, "Prints all keys of a scenario as Markdown");
   command->callback([=, &exit_code] {
     if (files->count() + reference->count() == 0) throw CLI::RequiredError("FILE");
     exit_code = validate(*arguments);

@@ -55,13 +55,13 @@ struct Fixed {
 };
 
 /// The variable that a key stands for.
-using Target = std::variant<double*, int*, std::uint64_t*, bool*, std::string*, std::filesystem::path*, std::vector<double>*, Vector2d*,
-                            Vector3d*, std::optional<double>*, Choice, Fixed, std::vector<Fault>*>;
+using Target = std::variant<double*, int*, std::uint64_t*, bool*, std::string*, std::filesystem::path*, std::vector<double>*,
+                            Vector2d*, Vector3d*, std::optional<double>*, Choice, Fixed, std::vector<Fault>*>;
 
 /// One key of a scenario: the single place that names it, bounds it, explains it and says where its value lives.
 /// Reading, writing and the reference all go through it.
 struct Key {
-  std::string name;                ///< Dotted
+  std::string name;  ///< Dotted
   Target target;
   Unit unit;
   Range range;
@@ -78,7 +78,8 @@ class Section {
   /// A table within this one.
   [[nodiscard]] Section table(const std::string& name) const { return {*keys_, prefix_ + name + "."}; }
 
-  void number(const std::string& name, double& value, const Range& range, const std::string& unit, const std::string& meaning);
+  void number(const std::string& name, double& value, const Range& range, const std::string& unit,
+              const std::string& meaning);
   void degrees(const std::string& name, double& value, const Range& range, const std::string& meaning);
   void milliseconds(const std::string& name, double& value, const Range& range, const std::string& meaning);
   /// A rate in the file, its inverse in the program.
@@ -88,9 +89,11 @@ class Section {
   void flag(const std::string& name, bool& value, const std::string& meaning);
   /// Without words any text but the empty one is allowed.
   void word(const std::string& name, std::string& value, const std::vector<std::string>& words, const std::string& meaning);
-  void required_word(const std::string& name, std::string& value, const std::vector<std::string>& words, const std::string& meaning);
+  void required_word(const std::string& name, std::string& value, const std::vector<std::string>& words,
+                     const std::string& meaning);
   void required_file(const std::string& name, std::filesystem::path& value, const std::string& meaning);
-  void numbers(const std::string& name, std::vector<double>& value, const Range& range, const Unit& unit, const std::string& meaning);
+  void numbers(const std::string& name, std::vector<double>& value, const Range& range, const Unit& unit,
+               const std::string& meaning);
   void vector(const std::string& name, Vector2d& value, const std::string& unit, const std::string& meaning);
   void vector(const std::string& name, Vector3d& value, const std::string& unit, const std::string& meaning);
   /// A number in the unit and range of the key, or the word that means none.
@@ -100,7 +103,9 @@ class Section {
   template <class Enum>
   void choice(const std::string& name, Enum& value, const std::vector<std::string>& words, const std::string& meaning) {
     Enum* const place = &value;
-    add(name, Choice{[place] { return static_cast<int>(*place); }, [place](int i) { *place = static_cast<Enum>(i); }}, meaning).words = words;
+    add(name, Choice{[place] { return static_cast<int>(*place); }, [place](int i) { *place = static_cast<Enum>(i); }},
+        meaning)
+        .words = words;
   }
   void fixed(const std::string& name, double value, const std::string& unit, const std::string& meaning);
   void faults(const std::string& name, std::vector<Fault>& value, const std::string& meaning);
@@ -120,6 +125,8 @@ class Section {
 [[nodiscard]] std::vector<Key> bind_fault(Fault& fault);
 /// The keys `robot` and `seed`.
 void bind_top(Section top, Scenario& scenario);
+/// Names of the keys of [mechanism] in all its forms and types.
+[[nodiscard]] const std::vector<std::string>& mechanism_names();
 void bind_mechanism(Section section, MechanismSource& source);
 void bind_world(Section top, Scenario& scenario);
 void bind_control(Section section, MissionConfig& mission);
@@ -132,7 +139,8 @@ void bind_control(Section section, MissionConfig& mission);
 [[nodiscard]] std::string allowed_text(const Key& key);
 /// A number of the program as the number of the file, shortest text that reads back to the same number.
 [[nodiscard]] std::string number_text(const Unit& unit, double value);
-/// Moves a number to the nearest one that the file can express exactly (degrees and rates), so that a written scenario reads back the same.
+/// Moves a number to the nearest one that the file can express exactly (degrees and rates), so that a written scenario reads
+/// back the same.
 void make_expressible(const Key& key);
 /// The name among `names` that is meant by an unknown one.
 [[nodiscard]] std::string nearest_name(const std::string& unknown, const std::vector<std::string>& names);

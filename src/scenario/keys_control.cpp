@@ -1,4 +1,5 @@
-// Gains of the controller. Keys without a unit in their name are in SI units; each bound is that of the law that uses the value.
+// Gains of the controller. Keys without a unit in their name are in SI units; each bound is that of the law that uses the
+// value.
 #include "key.hpp"
 
 namespace ajar::scenario {
@@ -6,8 +7,10 @@ namespace ajar::scenario {
 namespace {
 
 void bind(Section s, ForceLawConfig& c) {
-  s.number("stability_number", c.stability_number, {0.0, 1.5, true}, "-", "force-loop gain times stiffness times delay; the limit of stability is π/2");
-  s.number("total_stiffness", c.total_stiffness, kPositive, "N/m", "of arm, servo and grasp in series, as the robot believes");
+  s.number("stability_number", c.stability_number, {0.0, 1.5, true}, "-",
+           "force-loop gain times stiffness times delay; the limit of stability is π/2");
+  s.number("total_stiffness", c.total_stiffness, kPositive, "N/m",
+           "of arm, servo and grasp in series, as the robot believes");
   s.number("gain_max", c.gain_max, kPositive, "m/(N s)", "upper bound of the force-loop gain");
   s.number("integral_ratio", c.integral_ratio, kNotNegative, "1/s", "integral over proportional gain");
   s.number("correction_max", c.correction_max, kPositive, "m/s", "largest correction velocity");
@@ -31,11 +34,13 @@ void bind(Section s, EstimatorConfig& c) {
   s.number("damping_ratio", c.damping_ratio, kPositive, "-", "of the adaptive law");
   s.number("curvature_leak", c.curvature_leak, kNotNegative, "1/s", "decay of the curvature along the path");
   s.number("still_speed", c.still_speed, kPositive, "m/s", "below it the hand counts as still");
-  s.number("stuck_turn_rate", c.stuck_turn_rate, kNotNegative, "rad/s", "largest rate at which a reaction force turns the guess of a stuck handle");
+  s.number("stuck_turn_rate", c.stuck_turn_rate, kNotNegative, "rad/s",
+           "largest rate at which a reaction force turns the guess of a stuck handle");
   s.number("slide_curvature", c.slide_curvature, kPositive, "1/m", "largest curvature that still counts as a slide");
   s.number("hinge_curvature", c.hinge_curvature, kPositive, "1/m", "smallest curvature that counts as a hinge");
   s.number("type_threshold", c.type_threshold, kPositive, "-", "evidence that the decision hinge or slide needs");
-  s.number("relative_curvature_floor", c.relative_curvature_floor, kNotNegative, "-", "furniture is no circle: least relative sigma of the curvature");
+  s.number("relative_curvature_floor", c.relative_curvature_floor, kNotNegative, "-",
+           "furniture is no circle: least relative sigma of the curvature");
   s.flag("use_rotation", c.use_rotation, "false: the grip is known to pivot, positions only");
   Section noise = s.table("noise");
   noise.number("position_white", c.noise.position_white, kPositive, "m", "per sample");
@@ -109,7 +114,8 @@ void bind(Section s, PlannerConfig& c) {
   s.number("sliding_travel_m", c.sliding_travel, kPositive, "m", "the same sideways");
   s.number("flap_radius_m", c.flap_radius, kPositive, "m", "radius tried for a hinge below or above");
   s.numbers("distances_m", c.distances, {0.1, 3.0}, {"m"}, "base - handle, tried");
-  s.numbers("azimuths_deg", c.azimuths, {-90.0, 90.0}, {"°", kDegree}, "of the base round the handle from its normal, tried");
+  s.numbers("azimuths_deg", c.azimuths, {-90.0, 90.0}, {"°", kDegree},
+            "of the base round the handle from its normal, tried");
   s.integer("headings", c.headings, {1.0, 360.0}, "base headings tried per place");
   s.integer("ik_starts", c.ik_starts, {1.0, 1000.0}, "random arm postures tried per place and hand roll");
   s.integer("roll_outs", c.roll_outs, {1.0, 10000.0}, "candidates rolled out");
@@ -119,7 +125,8 @@ void bind(Section s, PlannerConfig& c) {
   s.number("least_sigma", c.least_sigma, kNotNegative, "-", "smallest singular value of a candidate at the grasp");
   s.number("own_clearance_m", c.own_clearance, kNotNegative, "m", "distance of a candidate to itself at the grasp");
   s.number("wall_clearance_m", c.wall_clearance, kNotNegative, "m", "of the base where it stands, to the believed wall");
-  s.number("approach_distance_m", c.approach_distance, {0.0, 1.0, true}, "m", "the hand waits this far in front of the handle");
+  s.number("approach_distance_m", c.approach_distance, {0.0, 1.0, true}, "m",
+           "the hand waits this far in front of the handle");
 }
 
 void bind(Section s, ClearanceLimits& c, const std::string& what) {

@@ -1,30 +1,26 @@
-// Reading. The only file that knows TOML.
+// Reading: from the values of a file to the structures, through the table of keys.
 #include <fmt/format.h>
-#include <toml++/toml.h>
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
-#include <iterator>
 #include <sstream>
 
 #include "ajar/core/error.hpp"
 #include "key.hpp"
+#include "toml_tree.hpp"
 
 namespace ajar {
 
 namespace {
 
+using scenario::from_override;
 using scenario::Key;
-
-const std::string kOverride = "--set";
+using scenario::kOverride;
 
 /// What is known while a file is read.
 struct Reader {
   std::string file;
 };
-
-bool from_override(const toml::node& node) { return node.source().path && *node.source().path == kOverride; }
 
 /// "file:line: " or "--set: ".
 std::string place(const Reader& reader, const toml::node& node) {
@@ -136,8 +132,10 @@ struct Assign {
   }
   bool operator()(std::vector<double>* target) const {
     auto values = numbers_of(node);
-    if (values.empty() || !std::all_of(values.begin(), values.end(), [&](double v) { return inside(key.range, v); })) return false;
-    std::transform(values.begin(), values.end(), values.begin(), [&](double v) { return scenario::to_program(key.unit, v); });
+    if (values.empty() || !std::all_of(values.begin(), values.end(), [&](double v) { return inside(key.range, v); }))
+      return false;
+    std::transform(values.begin(), values.end(), values.begin(),
+                   [&](double v) { return scenario::to_program(key.unit, v); });
     *target = values;
     return true;
   }
@@ -219,7 +217,8 @@ std::vector<Leaf> leaves_of(const toml::table& tree, const std::vector<Key>& key
     if (dot != std::string::npos && leaf.node->is_table()) names.push_back(key.name.substr(0, dot));
   }
   if (is_table_name(keys, leaf.name)) {
-    throw ConfigError(fmt::format("{}{} = {}: allowed: a table [{}]", place(reader, *leaf.node), leaf.name, shown(*leaf.node), leaf.name));
+    throw ConfigError(
+        fmt::format("{}{} = {}: allowed: a table [{}]", place(reader, *leaf.node), leaf.name, shown(*leaf.node), leaf.name));
   }
   throw ConfigError(fmt::format("{}{}: unknown key; the nearest valid name is {}", place(reader, *leaf.node), leaf.name,
                                 scenario::nearest_name(leaf.name, names)));
@@ -229,7 +228,8 @@ void require_keys(const Reader& reader, const std::vector<Key>& keys, const std:
   for (const Key& key : keys) {
     const bool given = std::any_of(leaves.begin(), leaves.end(), [&](const Leaf& leaf) { return leaf.name == key.name; });
     if (key.required && !given) {
-      throw ConfigError(fmt::format("{}:{}: {}: missing; allowed: {}", reader.file, line, key.name, scenario::allowed_text(key)));
+      throw ConfigError(
+          fmt::format("{}:{}: {}: missing; allowed: {}", reader.file, line, key.name, scenario::allowed_text(key)));
     }
   }
 }
@@ -241,7 +241,8 @@ void read_faults(const Reader& reader, const toml::node& node, std::vector<Fault
     Fault fault;
     const auto keys = scenario::bind_fault(fault);
     std::vector<Leaf> leaves;
-    for (const auto& [name, value] : *element.as_table()) leaves.push_back({"plant.fault." + std::string(name.str()), &value});
+    for (const auto& [name, value] : *element.as_table())
+      leaves.push_back({"plant.fault." + std::string(name.str()), &value});
     for (const Leaf& leaf : leaves) {
       const Key* const key = find_key(keys, leaf.name);
       if (key == nullptr) refuse_unknown(reader, leaf, keys);
@@ -250,21 +251,6 @@ void read_faults(const Reader& reader, const toml::node& node, std::vector<Fault
     require_keys(reader, keys, leaves, element.source().begin.line);
     target.push_back(fault);
   }
-}
-
-/// Names that only some form or type of the mechanism knows, for messages and for overrides that change the form.
-std::vector<Key> keys_of_all_forms() {
-  static Scenario scratch = scenario::default_scenario();
-  static MechanismSource slide = scenario::with_type(scratch.mechanism, "slide");
-  static MechanismSource table;
-  static MechanismSource mjcf;
-  table.form = MechanismSource::Form::Table;
-  mjcf.form = MechanismSource::Form::Mjcf;
-  std::vector<Key> keys;
-  for (MechanismSource* source : {&scratch.mechanism, &slide, &table, &mjcf}) {
-    scenario::bind_mechanism(scenario::Section(keys, "mechanism."), *source);
-  }
-  return keys;
 }
 
 /// Which form the [mechanism] has; exactly one of `type`, `from` and `mjcf`. An override wins over the file.
@@ -284,20 +270,21 @@ MechanismSource mechanism_form(const Reader& reader, const toml::table& mechanis
     throw ConfigError(place(reader, mechanism) + "mechanism: exactly one of type, from and mjcf must be given; none is");
   }
   if (found.size() > 1) {
-    throw ConfigError(fmt::format("{}mechanism.{}: exactly one of type, from and mjcf must be given; {} is there as well", place(reader, *found[1].second),
-                                  found[1].first, found[0].first));
+    throw ConfigError(fmt::format("{}mechanism.{}: exactly one of type, from and mjcf must be given; {} is there as well",
+                                  place(reader, *found[1].second), found[1].first, found[0].first));
   }
   MechanismSource source = scenario::default_scenario().mechanism;
   if (found[0].first == "from") source.form = MechanismSource::Form::Table;
   if (found[0].first == "mjcf") source.form = MechanismSource::Form::Mjcf;
-  if (found[0].first == "type" && found[0].second->value<std::string>() == "slide") source = scenario::with_type(source, "slide");
+  if (found[0].first == "type" && found[0].second->value<std::string>() == "slide")
+    source = scenario::with_type(source, "slide");
   return source;
 }
 
 /// Reads every value; the mechanism's form is already set.
 void read_tree(const Reader& reader, const toml::table& tree, Scenario& target) {
   const auto keys = scenario::bind_keys(target);
-  const auto other = keys_of_all_forms();
+  const auto& others = scenario::mechanism_names();
   const toml::table& mechanism = *tree["mechanism"].as_table();
   const bool form_overridden = std::any_of(mechanism.begin(), mechanism.end(), [](const auto& entry) {
     return from_override(entry.second) && (entry.first == "type" || entry.first == "from" || entry.first == "mjcf");
@@ -308,68 +295,21 @@ void read_tree(const Reader& reader, const toml::table& tree, Scenario& target) 
       read_key(reader, *key, *leaf.node);
       continue;
     }
-    const bool other_form = find_key(other, leaf.name) != nullptr || (leaf.node->is_table() && is_table_name(other, leaf.name));
+    const bool other_form = std::any_of(others.begin(), others.end(), [&](const std::string& name) {
+      return name == leaf.name || (leaf.node->is_table() && name.rfind(leaf.name + ".", 0) == 0);
+    });
     // An override that changes the form or type of the mechanism replaces what the file says of the old one.
     if (other_form && form_overridden && !from_override(*leaf.node)) continue;
     if (other_form) {
       const bool described = target.mechanism.form == MechanismSource::Form::Described;
       throw ConfigError(fmt::format("{}{}: does not belong to a mechanism {}", place(reader, *leaf.node), leaf.name,
-                                    described                                                     ? "of type " + target.mechanism.described.type
+                                    described ? "of type " + target.mechanism.described.type
                                     : target.mechanism.form == MechanismSource::Form::Table ? "from a door table"
-                                                                                              : "from a model"));
+                                                                                            : "from a model"));
     }
     refuse_unknown(reader, leaf, keys);
   }
   require_keys(reader, keys, leaves, mechanism.source().begin.line);
-}
-
-std::string file_text(const std::filesystem::path& file) {
-  std::error_code status;
-  if (!std::filesystem::exists(file, status)) throw IoError(file.string() + ": no such file");
-  if (std::filesystem::is_directory(file, status)) throw IoError(file.string() + ": is a directory; allowed: a TOML file");
-  std::ifstream in(file, std::ios::binary);
-  if (!in) throw IoError(file.string() + ": cannot be read");
-  std::string text((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
-  if (std::all_of(text.begin(), text.end(), [](unsigned char c) { return std::isspace(c) != 0; })) {
-    throw ConfigError(file.string() + ":1: the file is empty; at least [mechanism] is needed");
-  }
-  return text;
-}
-
-toml::table parse(const std::string& text, const std::string& name) {
-  try {
-    return toml::parse(text, name);
-  } catch (const toml::parse_error& error) {
-    throw ConfigError(fmt::format("{}:{}: not TOML: {}", name, error.source().begin.line, error.description()));
-  }
-}
-
-/// KEY=VALUE as a small TOML document; a bare word is a text.
-toml::table parse_override(const std::string& text) {
-  const auto equals = text.find('=');
-  if (equals == std::string::npos || equals == 0) throw ConfigError(kOverride + " " + text + ": allowed: KEY=VALUE");
-  try {
-    return toml::parse(text, kOverride);
-  } catch (const toml::parse_error&) {
-    std::string escaped;
-    for (const char c : text.substr(equals + 1)) {
-      if (c == '"' || c == '\\') escaped += '\\';
-      escaped += c;
-    }
-    return parse(text.substr(0, equals) + "=\"" + escaped + "\"", kOverride);
-  }
-}
-
-/// Moves what an override says into the file's tree; a copy would forget where it comes from.
-void merge(toml::table& into, toml::table&& from) {
-  for (auto&& [key, node] : from) {
-    toml::node* const present = into.get(key);
-    if (present != nullptr && present->is_table() && node.is_table()) {
-      merge(*present->as_table(), std::move(*node.as_table()));
-    } else {
-      into.insert_or_assign(key, std::move(node));
-    }
-  }
 }
 
 /// Paths count from the folder of the scenario, so that a copy of it elsewhere still finds them.
@@ -390,15 +330,16 @@ void resolve_paths(Scenario& target) {
 }  // namespace
 
 Scenario load_scenario(const std::filesystem::path& file, const std::vector<std::string>& overrides) {
-  return parse_scenario(file_text(file), file, overrides);
+  return parse_scenario(scenario::file_text(file), file, overrides);
 }
 
-Scenario parse_scenario(const std::string& text, const std::filesystem::path& file, const std::vector<std::string>& overrides) {
+Scenario parse_scenario(const std::string& text, const std::filesystem::path& file,
+                        const std::vector<std::string>& overrides) {
   const Reader reader{file.string()};
-  toml::table tree = parse(text, file.string());
-  for (const std::string& change : overrides) merge(tree, parse_override(change));
+  const toml::table tree = scenario::parse_tree(text, file.string(), overrides);
   const toml::node* const mechanism = tree.get("mechanism");
-  if (mechanism == nullptr) throw ConfigError(file.string() + ":1: mechanism: missing; a table [mechanism] with type, from or mjcf is needed");
+  if (mechanism == nullptr)
+    throw ConfigError(file.string() + ":1: mechanism: missing; a table [mechanism] with type, from or mjcf is needed");
   if (!mechanism->is_table()) refuse(reader, *mechanism, "mechanism", "a table with type, from or mjcf");
 
   Scenario result = scenario::default_scenario();

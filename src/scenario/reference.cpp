@@ -27,7 +27,8 @@ void reference_table(std::string& out, const std::string& title, const std::vect
   out += fmt::format("\n## {}\n\n| key | default | allowed | unit | meaning |\n|---|---|---|---|---|\n", title);
   for (const Key& key : keys) {
     const std::string standard = key.required ? "required" : fmt::format("`{}`", scenario::value_text(key));
-    out += fmt::format("| `{}` | {} | {} | {} | {} |\n", leaf_of(key.name), standard, scenario::allowed_text(key), key.unit.name, key.meaning);
+    out += fmt::format("| `{}` | {} | {} | {} | {} |\n", leaf_of(key.name), standard, scenario::allowed_text(key),
+                       key.unit.name, key.meaning);
   }
 }
 
@@ -79,10 +80,13 @@ std::string scenario_reference() {
   std::string out =
       "# Keys of a scenario\n\n"
       "Written by `ajar validate --reference`; do not edit by hand.\n\n"
-      "A scenario is one TOML file. Every key has a default but those of `[mechanism]` marked *required*; a key that is not listed here is an error.\n"
+      "A scenario is one TOML file. Every key has a default but those of `[mechanism]` marked *required*; a key that is not "
+      "listed here is an error.\n"
       "Any key can be set on the command line: `ajar run FILE --set control.rate_hz=125`; a word needs no quotes there.\n"
-      "Numbers are in SI units and radians unless the name of the key says otherwise. Relative paths start at the folder of the file.\n"
-      "`[mechanism]` has exactly one of three forms: described by `type`, a row of a door table by `from`, or a model by `mjcf`.\n";
+      "Numbers are in SI units and radians unless the name of the key says otherwise. Relative paths start at the folder of "
+      "the file.\n"
+      "`[mechanism]` has exactly one of three forms: described by `type`, a row of a door table by `from`, or a model by "
+      "`mjcf`.\n";
   std::vector<Key> world;
   scenario::bind_top(scenario::Section(world, ""), defaults);
   reference_sections(out, world, "");

@@ -10,7 +10,8 @@ Key& Section::add(const std::string& name, Target target, const std::string& mea
   return key;
 }
 
-void Section::number(const std::string& name, double& value, const Range& range, const std::string& unit, const std::string& meaning) {
+void Section::number(const std::string& name, double& value, const Range& range, const std::string& unit,
+                     const std::string& meaning) {
   Key& key = add(name, &value, meaning);
   key.range = range;
   key.unit.name = unit;
@@ -41,11 +42,13 @@ void Section::seed(const std::string& name, std::uint64_t& value, const std::str
 
 void Section::flag(const std::string& name, bool& value, const std::string& meaning) { add(name, &value, meaning); }
 
-void Section::word(const std::string& name, std::string& value, const std::vector<std::string>& words, const std::string& meaning) {
+void Section::word(const std::string& name, std::string& value, const std::vector<std::string>& words,
+                   const std::string& meaning) {
   add(name, &value, meaning).words = words;
 }
 
-void Section::required_word(const std::string& name, std::string& value, const std::vector<std::string>& words, const std::string& meaning) {
+void Section::required_word(const std::string& name, std::string& value, const std::vector<std::string>& words,
+                            const std::string& meaning) {
   word(name, value, words, meaning);
   keys_->back().required = true;
 }
@@ -54,7 +57,8 @@ void Section::required_file(const std::string& name, std::filesystem::path& valu
   add(name, &value, meaning).required = true;
 }
 
-void Section::numbers(const std::string& name, std::vector<double>& value, const Range& range, const Unit& unit, const std::string& meaning) {
+void Section::numbers(const std::string& name, std::vector<double>& value, const Range& range, const Unit& unit,
+                      const std::string& meaning) {
   Key& key = add(name, &value, meaning);
   key.range = range;
   key.unit = unit;
@@ -82,6 +86,8 @@ void Section::fixed(const std::string& name, double value, const std::string& un
   key.range = {value, value, false};
 }
 
-void Section::faults(const std::string& name, std::vector<Fault>& value, const std::string& meaning) { add(name, &value, meaning); }
+void Section::faults(const std::string& name, std::vector<Fault>& value, const std::string& meaning) {
+  add(name, &value, meaning);
+}
 
 }  // namespace ajar::scenario

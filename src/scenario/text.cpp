@@ -116,25 +116,21 @@ std::string parent_of(const std::string& name) {
 
 }  // namespace
 
-std::string number_text(const Unit& unit, double value) {
-  return plain(converts(unit) ? file_number(unit, value) : value);
-}
+std::string number_text(const Unit& unit, double value) { return plain(converts(unit) ? file_number(unit, value) : value); }
 
 std::string value_text(const Key& key) {
   return std::visit<std::string>(
-      Overloaded{[&](double* v) { return number_text(key.unit, *v); },
-                 [](int* v) { return fmt::format("{}", *v); },
-                 [](std::uint64_t* v) { return fmt::format("{}", *v); },
-                 [](bool* v) { return std::string(*v ? "true" : "false"); },
-                 [](std::string* v) { return toml_string(*v); },
-                 [](std::filesystem::path* v) { return toml_string(v->string()); },
-                 [&](std::vector<double>* v) { return list_text(key.unit, *v); },
-                 [&](Vector2d* v) { return list_text(key.unit, *v); },
-                 [&](Vector3d* v) { return list_text(key.unit, *v); },
-                 [&](std::optional<double>* v) { return v->has_value() ? number_text(key.unit, **v) : toml_string(key.words.front()); },
-                 [&](const Choice& v) { return toml_string(key.words.at(static_cast<std::size_t>(v.get()))); },
-                 [&](const Fixed& v) { return number_text(key.unit, v.value); },
-                 [](std::vector<Fault>*) { return std::string(); }},
+      Overloaded{
+          [&](double* v) { return number_text(key.unit, *v); }, [](int* v) { return fmt::format("{}", *v); },
+          [](std::uint64_t* v) { return fmt::format("{}", *v); }, [](bool* v) { return std::string(*v ? "true" : "false"); },
+          [](std::string* v) { return toml_string(*v); }, [](std::filesystem::path* v) { return toml_string(v->string()); },
+          [&](std::vector<double>* v) { return list_text(key.unit, *v); },
+          [&](Vector2d* v) { return list_text(key.unit, *v); }, [&](Vector3d* v) { return list_text(key.unit, *v); },
+          [&](std::optional<double>* v) {
+            return v->has_value() ? number_text(key.unit, **v) : toml_string(key.words.front());
+          },
+          [&](const Choice& v) { return toml_string(key.words.at(static_cast<std::size_t>(v.get()))); },
+          [&](const Fixed& v) { return number_text(key.unit, v.value); }, [](std::vector<Fault>*) { return std::string(); }},
       key.target);
 }
 
@@ -160,8 +156,10 @@ void make_expressible(const Key& key) {
   if (!converts(key.unit)) return;
   const auto move = [&](double& value) { value = to_program(key.unit, file_number(key.unit, value)); };
   if (auto* const number = std::get_if<double*>(&key.target)) move(**number);
-  if (auto* const list = std::get_if<std::vector<double>*>(&key.target)) std::for_each((*list)->begin(), (*list)->end(), move);
-  if (auto* const maybe = std::get_if<std::optional<double>*>(&key.target); maybe != nullptr && (*maybe)->has_value()) move(**(*maybe));
+  if (auto* const list = std::get_if<std::vector<double>*>(&key.target))
+    std::for_each((*list)->begin(), (*list)->end(), move);
+  if (auto* const maybe = std::get_if<std::optional<double>*>(&key.target); maybe != nullptr && (*maybe)->has_value())
+    move(**(*maybe));
 }
 
 std::string nearest_name(const std::string& unknown, const std::vector<std::string>& names) {

@@ -1,7 +1,7 @@
 // Strategy: the program is tested as a program: what it prints, where, and its exit code. Every kind of bad input must give
 // exit code 2, exactly one line on standard error that names the file, nothing on standard output and no folder. One short
-// kinematic mission checks the files of a run, that its saved scenario runs again to the same log, and that Ctrl-C ends safely.
-// How well doors open is checked by the scenario tests.
+// kinematic mission checks the files of a run, that its saved scenario runs again to the same log, and that Ctrl-C ends
+// safely. How well doors open is checked by the scenario tests.
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -34,8 +34,8 @@ struct Output {
 class Program : public ::testing::Test {
  protected:
   void SetUp() override {
-    folder_ = fs::temp_directory_path() /
-              ("ajar_cli_" + std::to_string(::getpid()) + "_" + ::testing::UnitTest::GetInstance()->current_test_info()->name());
+    folder_ = fs::temp_directory_path() / ("ajar_cli_" + std::to_string(::getpid()) + "_" +
+                                           ::testing::UnitTest::GetInstance()->current_test_info()->name());
     fs::create_directories(folder_);
   }
   void TearDown() override { fs::remove_all(folder_); }
@@ -49,7 +49,8 @@ class Program : public ::testing::Test {
     std::vector<char*> argv;
     for (std::string& word : words) argv.push_back(word.data());
     argv.push_back(nullptr);
-    if (::chdir(folder_.c_str()) != 0 || std::freopen("out.txt", "w", stdout) == nullptr || std::freopen("err.txt", "w", stderr) == nullptr) {
+    if (::chdir(folder_.c_str()) != 0 || std::freopen("out.txt", "w", stdout) == nullptr ||
+        std::freopen("err.txt", "w", stderr) == nullptr) {
       ::_exit(126);
     }
     ::execv(argv[0], argv.data());
@@ -81,12 +82,14 @@ class Program : public ::testing::Test {
 };
 
 const std::string kSource = AJAR_SOURCE_DIR;
-const std::string kDoor = "[mechanism]\ntype = \"hinge\"\nradius_m = 0.8\n[belief]\ndirection_error_deg = 10\n[plant]\nkind = \"kinematic\"\n";
+const std::string kDoor =
+    "[mechanism]\ntype = \"hinge\"\nradius_m = 0.8\n[belief]\ndirection_error_deg = 10\n[plant]\nkind = \"kinematic\"\n";
 
 TEST_F(Program, HelpNamesEveryCommandAndTheExitCodes) {
   const Output output = run({"--help"});
   EXPECT_EQ(output.exit_code, 0);
-  for (const char* const word : {"run", "campaign", "validate", "report", "Exit codes"}) EXPECT_NE(output.out.find(word), std::string::npos) << word;
+  for (const char* const word : {"run", "campaign", "validate", "report", "Exit codes"})
+    EXPECT_NE(output.out.find(word), std::string::npos) << word;
   EXPECT_EQ(run({"run", "--help"}).exit_code, 0);
 }
 
@@ -113,15 +116,18 @@ TEST_F(Program, RefusesBadScenariosInOneLine) {
   expect_refused({"run", "/tmp"}, "/tmp: is a directory");
   expect_refused({"run", write("empty.toml", "")}, "empty.toml:1: the file is empty");
   expect_refused({"run", write("syntax.toml", "seed = = 1\n")}, "syntax.toml:1: ");
-  expect_refused({"run", write("mass.toml", kDoor + "[mechanism.closer]\nmoment = nan\n")}, "mass.toml:9: mechanism.closer.moment = nan");
-  expect_refused({"run", write("door.toml", kDoor), "--set", "mechanism.mass_kg=-3"}, "mechanism.mass_kg = -3: allowed: above 0");
+  expect_refused({"run", write("mass.toml", kDoor + "[mechanism.closer]\nmoment = nan\n")},
+                 "mass.toml:9: mechanism.closer.moment = nan");
+  expect_refused({"run", write("door.toml", kDoor), "--set", "mechanism.mass_kg=-3"},
+                 "mechanism.mass_kg = -3: allowed: above 0");
   expect_refused({"run", "door.toml", "--set", "robot=hero"}, "hero");
   expect_refused({"run", write("table.toml", "[mechanism]\nfrom = \"no.csv\"\nid = \"a\"\n")}, "no.csv");
   expect_refused({"run", write("model.toml", "[mechanism]\nmjcf = \"no.xml\"\njoint = \"a\"\nhandle = \"b\"\n")}, "no.xml");
 }
 
 TEST_F(Program, RefusesAHandleThatTheArmReachesFromNowhere) {
-  expect_refused({"run", write("high.toml", kDoor), "--set", "mechanism.handle_height_m=2.45"}, "mechanism.handle_height_m = 2.45: allowed: what robot");
+  expect_refused({"run", write("high.toml", kDoor), "--set", "mechanism.handle_height_m=2.45"},
+                 "mechanism.handle_height_m = 2.45: allowed: what robot");
 }
 
 TEST_F(Program, RefusesAnOutputThatCannotBeWritten) {
@@ -139,8 +145,11 @@ TEST_F(Program, RefusesRobotsWithoutAHandFrame) {
 }
 
 TEST_F(Program, RefusesModelsWithoutTheJoint) {
-  write("box.xml", "<mujoco><worldbody><body name='leaf'><joint name='hinge'/><geom size='.1'/><site name='grip'/></body></worldbody></mujoco>");
-  expect_refused({"run", write("m.toml", "[mechanism]\nmjcf = \"box.xml\"\njoint = \"slider\"\nhandle = \"grip\"\n")}, "slider");
+  write("box.xml",
+        "<mujoco><worldbody><body name='leaf'><joint name='hinge'/><geom size='.1'/><site "
+        "name='grip'/></body></worldbody></mujoco>");
+  expect_refused({"run", write("m.toml", "[mechanism]\nmjcf = \"box.xml\"\njoint = \"slider\"\nhandle = \"grip\"\n")},
+                 "slider");
 }
 
 TEST_F(Program, RefusesDoorTablesWithABrokenRow) {
@@ -153,7 +162,8 @@ TEST_F(Program, RefusesDoorTablesWithABrokenRow) {
 }
 
 TEST_F(Program, ValidatesEveryKindOfFileAndReportsAllThatAreWrong) {
-  const Output right = run({"validate", kSource + "/scenarios/demo.toml", kSource + "/robots/heron/heron.urdf", kSource + "/campaigns/doors.csv"});
+  const Output right = run({"validate", kSource + "/scenarios/demo.toml", kSource + "/robots/heron/heron.urdf",
+                            kSource + "/campaigns/doors.csv"});
   EXPECT_EQ(right.exit_code, 0) << right.err;
   EXPECT_EQ(std::count(right.out.begin(), right.out.end(), '\n'), 3);
   const Output model = run({"validate", write("box.xml", "<mujoco><worldbody><geom size='.1'/></worldbody></mujoco>")});
@@ -189,8 +199,9 @@ TEST_F(Program, ARunLeavesAFolderThatRunsAgainToTheSameBytes) {
 }
 
 TEST_F(Program, ACampaignLeavesOneRowPerRun) {
-  write("c.toml", "runs = 3\nseed = 2\n[base.mechanism]\ntype = \"slide\"\n[base.belief]\ndirection_error_deg = 10\n"
-                  "[base.plant]\nkind = \"kinematic\"\n[base.goal]\nopening_m = 0.1\n");
+  write("c.toml",
+        "runs = 3\nseed = 2\n[base.mechanism]\ntype = \"slide\"\n[base.belief]\ndirection_error_deg = 10\n"
+        "[base.plant]\nkind = \"kinematic\"\n[base.goal]\nopening_m = 0.1\n");
   const Output output = run({"campaign", "c.toml", "--runs", "2", "--jobs", "2", "--keep", "none", "--out", "c", "--quiet"});
   EXPECT_EQ(output.exit_code, 0) << output.err;
   const std::string rows = text_of(folder_ / "c/runs.csv");
@@ -208,7 +219,8 @@ TEST_F(Program, CtrlCStopsTheRobotAndExitsOne) {
   write("door.toml", kDoor);
   const pid_t child = start({"run", "door.toml", "--set", "control.rate_hz=1000", "--out", "one"});
   // The folder appears when the robot starts to act.
-  for (int i = 0; i < 1000 && !fs::exists(folder_ / "one/log.csv"); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  for (int i = 0; i < 1000 && !fs::exists(folder_ / "one/log.csv"); ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
   ::kill(child, SIGINT);
   const Output output = wait(child);
   EXPECT_EQ(output.exit_code, 1) << output.err;

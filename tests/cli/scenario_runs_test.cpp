@@ -1,7 +1,7 @@
-// Strategy: every file of scenarios/ is run by the program as anyone would run it, and judged by result.json, which comes from
-// the truth. Most must open without a single unwanted contact; those with a fault must stop for the reason that was injected.
-// The bars are those of the product's promise, not of today's figures: force peaks stay below the limit of the scenario, a
-// command is never outside the limits or without a number.
+// Strategy: every file of scenarios/ is run by the program as anyone would run it, and judged by result.json, which comes
+// from the truth. Most must open without a single unwanted contact; those with a fault must stop for the reason that was
+// injected. The bars are those of the product's promise, not of today's figures: force peaks stay below the limit of the
+// scenario, a command is never outside the limits or without a number.
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -48,7 +48,8 @@ class ScenarioRun : public ::testing::TestWithParam<std::string> {};
 TEST_P(ScenarioRun, EndsAsItsFirstLinePromises) {
   const std::string file = std::string(AJAR_SOURCE_DIR) + "/scenarios/" + GetParam() + ".toml";
   const fs::path folder = fs::temp_directory_path() / ("ajar_scenario_run_" + GetParam() + "_" + std::to_string(::getpid()));
-  const std::string command = std::string(AJAR_PROGRAM) + " run " + file + " --quiet --out " + folder.string() + " > /dev/null";
+  const std::string command =
+      std::string(AJAR_PROGRAM) + " run " + file + " --quiet --out " + folder.string() + " > /dev/null";
   const int status = std::system(command.c_str());
   ASSERT_TRUE(WIFEXITED(status));
   const auto stop = kStops.find(GetParam());

@@ -1,7 +1,8 @@
 // Strategy: whatever a file says must arrive in the structures and come out again unchanged. The dump of a scenario is read
 // back and compared text by text (numbers are printed so that they read back to the same bits); every key is changed alone
 // and exactly its own line of the dump must change, so no two keys share a field and none is dead; fields are counted by the
-// compiler and compared with the keys, so a new field without a key fails. A few values are compared with hand-converted ones.
+// compiler and compared with the keys, so a new field without a key fails. A few values are compared with hand-converted
+// ones.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -30,7 +31,9 @@ class ScenarioFiles : public ::testing::Test {
     std::ofstream(folder_ / name) << text;
     return folder_ / name;
   }
-  Scenario read(const std::string& text, const std::vector<std::string>& overrides = {}) const { return load_scenario(write(text), overrides); }
+  Scenario read(const std::string& text, const std::vector<std::string>& overrides = {}) const {
+    return load_scenario(write(text), overrides);
+  }
 
   fs::path folder_;
 };
@@ -53,7 +56,9 @@ const std::string kHinge = "[mechanism]\ntype = \"hinge\"\n";
 const std::string kSlide = "[mechanism]\ntype = \"slide\"\n";
 
 TEST_F(ScenarioFiles, KeepsEveryBitThroughWritingAndReading) {
-  for (const std::string& text : {kHinge, kSlide, kHinge + "tilt_deg = 12.3\nyaw_deg = 0.1\n[control]\nrate_hz = 333\ndelay_ms = 7.7\n[[plant.fault]]\nkind = \"door_locked\"\ntime_s = 0.1\n"}) {
+  for (const std::string& text : {kHinge, kSlide,
+                                  kHinge + "tilt_deg = 12.3\nyaw_deg = 0.1\n[control]\nrate_hz = 333\ndelay_ms = "
+                                           "7.7\n[[plant.fault]]\nkind = \"door_locked\"\ntime_s = 0.1\n"}) {
     const Scenario first = read(text);
     const std::string dump = to_toml(first);
     const Scenario second = load_scenario(write(dump, "again.toml"));
@@ -88,10 +93,13 @@ TEST_F(ScenarioFiles, ExpressesAnyAngleSoThatItReadsBackToTheSameBits) {
 
 TEST_F(ScenarioFiles, ConvertsUnitsAsTheNamesSay) {
   const Scenario s = read(
-      "seed = 7\n[mechanism]\ntype = \"hinge\"\nradius_m = 0.35\nside = \"left\"\ntravel_deg = 180\nmass_kg = 4\nhandle = \"knob\"\n"
+      "seed = 7\n[mechanism]\ntype = \"hinge\"\nradius_m = 0.35\nside = \"left\"\ntravel_deg = 180\nmass_kg = 4\nhandle = "
+      "\"knob\"\n"
       "bar = \"horizontal\"\nsense = \"push\"\nat_m = [1, 2.5]\n[mechanism.seal]\nforce = 3\nrange_deg = 18\n"
-      "[belief]\ndirection_error_deg = 30\ncurvature = 0\n[plant]\nkind = \"kinematic\"\n[plant.perception]\nnormal_error_deg = -10\n"
-      "[control]\nrate_hz = 125\ndelay_ms = 40\n[limits]\nforce_N = 60\ntime_s = 90\n[goal]\nopening_deg = 45\nopening_m = 0.3\nto_the_stop = true\n");
+      "[belief]\ndirection_error_deg = 30\ncurvature = 0\n[plant]\nkind = "
+      "\"kinematic\"\n[plant.perception]\nnormal_error_deg = -10\n"
+      "[control]\nrate_hz = 125\ndelay_ms = 40\n[limits]\nforce_N = 60\ntime_s = 90\n[goal]\nopening_deg = 45\nopening_m = "
+      "0.3\nto_the_stop = true\n");
   const double pi = std::acos(-1.0);
   EXPECT_EQ(s.seed, 7U);
   EXPECT_EQ(s.mechanism.described.radius, 0.35);
@@ -125,7 +133,8 @@ TEST_F(ScenarioFiles, TellsTheRobotNothingByDefault) {
 std::string other_value(const scenario::Key& key) {
   const std::string now = scenario::value_text(key);
   if (std::holds_alternative<bool*>(key.target)) return now == "true" ? "false" : "true";
-  if (std::holds_alternative<int*>(key.target) || std::holds_alternative<std::uint64_t*>(key.target)) return std::to_string(std::stoll(now) + 1);
+  if (std::holds_alternative<int*>(key.target) || std::holds_alternative<std::uint64_t*>(key.target))
+    return std::to_string(std::stoll(now) + 1);
   if (std::holds_alternative<double*>(key.target)) {
     const double value = std::stod(now);
     double changed = value == 0.0 ? 0.01 : value * 1.01;
@@ -146,7 +155,8 @@ TEST_F(ScenarioFiles, EveryKeyChangesItsOwnLineAndNoOther) {
     Scenario base = read(text);
     const auto before = lines_of(to_toml(base));
     for (const scenario::Key& key : scenario::bind_keys(base)) {
-      const bool fixed = std::holds_alternative<scenario::Fixed>(key.target) || std::holds_alternative<std::vector<Fault>*>(key.target);
+      const bool fixed =
+          std::holds_alternative<scenario::Fixed>(key.target) || std::holds_alternative<std::vector<Fault>*>(key.target);
       if (fixed || key.name == "mechanism.type" || (text == kSlide && key.name.rfind("mechanism.", 0) != 0)) continue;
       seen.insert(key.name);
       const std::string change = key.name + "=" + other_value(key);
@@ -157,7 +167,8 @@ TEST_F(ScenarioFiles, EveryKeyChangesItsOwnLineAndNoOther) {
         if (before[i] != after[i]) changed.push_back(after[i]);
       }
       ASSERT_EQ(changed.size(), 1U) << change;
-      EXPECT_EQ(changed[0].rfind(key.name.substr(key.name.rfind('.') + 1) + " = ", 0), 0U) << change << " gave " << changed[0];
+      EXPECT_EQ(changed[0].rfind(key.name.substr(key.name.rfind('.') + 1) + " = ", 0), 0U)
+          << change << " gave " << changed[0];
     }
   }
   EXPECT_GT(seen.size(), 180U);
@@ -182,14 +193,15 @@ TEST_F(ScenarioFiles, HasAKeyForEveryFieldOfEveryConfig) {
   const auto keys = scenario::bind_keys(s);
   const auto count = [&](const std::string& table) {
     std::size_t n = 0;
-    for (const scenario::Key& key : keys) n += key.name.rfind(table + ".", 0) == 0 && key.name.find('.', table.size() + 1) == std::string::npos;
+    for (const scenario::Key& key : keys)
+      n += key.name.rfind(table + ".", 0) == 0 && key.name.find('.', table.size() + 1) == std::string::npos;
     return n;
   };
   EXPECT_EQ(count("control.wbc"), field_count<WbcConfig>());
   EXPECT_EQ(count("control.base_law"), field_count<BaseLawConfig>());
   EXPECT_EQ(count("control.navigation"), field_count<NavigationConfig>());
   EXPECT_EQ(count("control.planner"), field_count<PlannerConfig>());
-  EXPECT_EQ(count("control.force") + 1, field_count<ForceLawConfig>());      // force_limit is limits.force_N
+  EXPECT_EQ(count("control.force") + 1, field_count<ForceLawConfig>());       // force_limit is limits.force_N
   EXPECT_EQ(count("control.estimator") + 1, field_count<EstimatorConfig>());  // noise has its own table
   EXPECT_EQ(count("control.estimator.noise"), field_count<PoseNoise>());
   EXPECT_EQ(count("control.clearance.self"), field_count<ClearanceLimits>());
@@ -204,8 +216,9 @@ TEST_F(ScenarioFiles, HasAKeyForEveryFieldOfEveryConfig) {
 }
 
 TEST_F(ScenarioFiles, OverridesWinOverTheFileAndTakeBareWords) {
-  const Scenario s = read(kHinge + "[control]\nrate_hz = 500\n", {"control.rate_hz=125", "plant.kind=kinematic", "belief.direction_error_deg=none",
-                                                                   "mechanism.closer.moment=2.5", "mechanism.at_m=[1, 2]"});
+  const Scenario s = read(kHinge + "[control]\nrate_hz = 500\n",
+                          {"control.rate_hz=125", "plant.kind=kinematic", "belief.direction_error_deg=none",
+                           "mechanism.closer.moment=2.5", "mechanism.at_m=[1, 2]"});
   EXPECT_DOUBLE_EQ(s.mission.period, 0.008);
   EXPECT_EQ(s.plant.kind, "kinematic");
   EXPECT_EQ(s.mechanism.described.closer.moment, 2.5);
