@@ -15,6 +15,8 @@ constexpr double kLagLeast = 0.2;
 // Speed falls over the last 10 N of pull before the limit, and over the last 15 N of normal force down to a tenth:
 // the force law needs some motion to learn from.
 constexpr double kPullRange = 10.0;
+// A small force cap keeps at least this share of itself for full speed and for the give.
+constexpr double kCapShare = 0.4;
 constexpr double kNormalRange = 15.0;
 constexpr double kNormalLeast = 0.1;
 // The running force counts once the hand has really moved: 2 cm, at half the wanted speed, 0.1 s mean.
@@ -27,7 +29,8 @@ constexpr double kStandingSpeed = 0.004;
 
 bool is_finite(const SpeedInput& input) {
   return std::isfinite(input.confidence) && std::isfinite(input.base_lag) && std::isfinite(input.pull_force) &&
-         std::isfinite(input.normal_force) && std::isfinite(input.measured_speed) && std::isfinite(input.speed_cap);
+         std::isfinite(input.normal_force) && std::isfinite(input.measured_speed) && std::isfinite(input.speed_cap) &&
+         std::isfinite(input.force_cap);
 }
 
 }  // namespace
@@ -37,7 +40,8 @@ double wanted_speed(const SpeedInput& input, const ForceLawConfig& config) noexc
   const double gate = std::clamp((kLagStop - input.base_lag) / kLagRange, kLagLeast, 1.0);
   double speed = config.speed_start + (config.speed - config.speed_start) * confidence * gate;
   speed = std::min(speed, std::max(input.speed_cap, 0.0));
-  speed *= std::clamp((config.force_limit - std::abs(input.pull_force)) / kPullRange, 0.0, 1.0);
+  const double limit = std::min(config.force_limit, std::max(input.force_cap, 1.0));
+  speed *= std::clamp((limit - std::abs(input.pull_force)) / std::min(kPullRange, kCapShare * limit), 0.0, 1.0);
   speed *= std::clamp((config.force_limit - input.normal_force) / kNormalRange, kNormalLeast, 1.0);
   return speed;
 }
@@ -74,7 +78,8 @@ double SpeedLaw::step(const SpeedInput& input) noexcept {
   speed_ += std::clamp(wanted_speed(input, config_) - speed_, -config_.deceleration * period_,
                        config_.acceleration * period_);
   // Tangential give: an end stop or a seal is met with a backing hand before the slower speed law answers.
-  double give_from = config_.force_limit - config_.give_reserve;
+  const double limit = std::min(config_.force_limit, std::max(input.force_cap, 1.0));
+  double give_from = limit - std::min(config_.give_reserve, 0.5 * kCapShare * limit);
   if (moved_) {
     give_from = std::min(give_from, running_force_ + config_.give_margin);
   }

@@ -1,5 +1,6 @@
 #include "mission_impl.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <exception>
 
@@ -14,6 +15,12 @@ constexpr double kBlockedTime = 1.2;      // two base lags and delays of a slow 
 constexpr double kBlockedCommand = 0.03;  // below this stiction may hold the base: docking minimum of the drive [m/s]
 constexpr double kBlockedTurn = 0.06;     // [rad/s]
 constexpr double kBlockedShare = 0.1;     // measured over commanded
+
+// The pull may use what the mission allows; the force law's own key is its default.
+MissionConfig with_one_force_limit(MissionConfig config) {
+  config.force.force_limit = config.limits.force;
+  return config;
+}
 
 bool finite(const RobotState& s) {
   return s.q.allFinite() && s.dq.allFinite() && s.sensor_force.allFinite() && s.sensor_torque.allFinite() &&
@@ -49,7 +56,7 @@ HandleBelief SightAverage::belief() const noexcept {
 Mission::Impl::Impl(const RobotModel& robot, const MissionConfig& settings, std::optional<Vector3d> direction_guess,
                     std::uint64_t run_seed)
     : model(robot),
-      config(settings),
+      config(with_one_force_limit(settings)),
       guess(direction_guess),
       seed(run_seed),
       navigator(settings.navigation, settings.period),
@@ -201,7 +208,8 @@ void Mission::Impl::enter(Phase next) noexcept {
       controller.reset();
       break;
     case Phase::Probe:
-      prober.start(record.kinematics.X_WE, probes++);
+      ++probes;
+      prober.start(record.kinematics.X_WE, guess ? direction : Vector3d(Vector3d::Zero()));
       controller.reset();
       break;
     case Phase::Open: controller.reset(); break;
@@ -233,8 +241,12 @@ void Mission::Impl::command_joints(const JointVector& rates) noexcept {
 
 void Mission::Impl::command_base(const BaseTwist& twist) noexcept {
   command_zero();
-  command.base_v = twist.v;
-  command.base_w = twist.w;
+  const RobotLimits& limits = model.limits();
+  const double v_limit = twist.v < 0.0 ? limits.base_reverse : limits.base_forward;
+  // One factor for both keeps the path.
+  const double excess = std::max({1.0, std::abs(twist.v) / v_limit, std::abs(twist.w) / limits.base_yaw_rate});
+  command.base_v = twist.v / excess;
+  command.base_w = twist.w / excess;
 }
 
 }  // namespace ajar

@@ -14,9 +14,10 @@ constexpr double kSure = 0.05;         // direction sigma with full confidence [
 constexpr double kArcBegin = 0.015;    // [m]
 constexpr double kArcFull = 0.06;      // [m]
 // Where an unknown end stop may come, the hand is slow: the blow grows with speed. (#speed-law)
-constexpr double kStopPossibleAngle = 1.29;  // first end stops of hinged doors: 80 degrees, less 6 to slow down [rad]
-constexpr double kStopPossibleArc = 0.24;    // shortest drawers: 0.3 m, less the way to slow down [m]
+constexpr double kStopPossibleAngle = 1.36;  // first end stops of hinged doors: 80 degrees, less 2 [rad]
+constexpr double kStopPossibleArc = 0.28;    // shortest drawers: 0.3 m, less what the slow-down lags [m]
 constexpr double kSlowSpeed = 0.08;          // [m/s]
+constexpr double kLeastCurvature = 0.2;      // a hinge of more than 5 m radius is driven as a slide [1/m]
 // A flap's hand must not follow the leaf all the way round: it would end up under the bar.
 constexpr double kFlapTurn = 0.6;      // [rad]
 constexpr double kPivotCentring = 0.3; // weak turn of a hand about a free bar towards where it should be [1/s]
@@ -44,12 +45,13 @@ void Opener::start(const RobotState& state, const Kinematics& kinematics, const 
   redirect(kinematics, direction);
 }
 
-void Opener::redirect(const Kinematics& kinematics, const Vector3d& direction) noexcept {
+void Opener::redirect(const Kinematics& kinematics, const Vector3d& direction, double force) noexcept {
   estimator_.reset(kinematics.X_WE, direction);
   force_law_.reset();
   speed_law_.reset();
   ends_.reset();
   base_lag_ = 0.0;
+  start_force_ = std::max(config_.force.start_force, force);
 }
 
 double Opener::confidence(const MechanismEstimate& estimate) const noexcept {
@@ -59,9 +61,15 @@ double Opener::confidence(const MechanismEstimate& estimate) const noexcept {
 }
 
 double Opener::speed_cap(const MechanismEstimate& estimate) const noexcept {
-  const bool hinge = estimate.type == MechanismType::Hinge;
-  const bool near_end = hinge ? estimate.angle > kStopPossibleAngle : estimate.arc > kStopPossibleArc;
-  return near_end ? kSlowSpeed : config_.force.speed;
+  const double kappa = estimate.curvature.norm();
+  const bool hinge = estimate.type == MechanismType::Hinge && kappa > kLeastCurvature;
+  const double left = hinge ? (kStopPossibleAngle - estimate.angle) / kappa : kStopPossibleArc - estimate.arc;
+  return std::sqrt(kSlowSpeed * kSlowSpeed + 2.0 * config_.force.deceleration * std::max(0.0, left));
+}
+
+double Opener::force_cap(const MechanismEstimate& estimate) const noexcept {
+  const double sure = estimate.fitted ? std::clamp((kUnsure - estimate.direction_sigma) / (kUnsure - kSure), 0.0, 1.0) : 0.0;
+  return start_force_ + sure * std::max(0.0, config_.force.force_limit - start_force_);
 }
 
 EndDetector::Verdict Opener::step(const RobotState& state, const Kinematics& kin, const HandWrench& wrench,
@@ -91,7 +99,7 @@ EndDetector::Verdict Opener::step(const RobotState& state, const Kinematics& kin
   const double sure = confidence(estimate);
   const double speed = speed_law_.step({.confidence = sure, .base_lag = base_lag_, .pull_force = correction.pull_force,
                                         .normal_force = correction.normal_force, .measured_speed = along,
-                                        .speed_cap = speed_cap(estimate)});
+                                        .speed_cap = speed_cap(estimate), .force_cap = force_cap(estimate)});
   record.base = base_law_.step({.dt = dt, .base = state.base, .hand = kin.X_WE.translation(), .direction = x, .curvature = k,
                                 .wanted_speed = speed, .measured_speed = along, .confidence = sure});
   base_lag_ = record.base.lag;
@@ -129,7 +137,8 @@ EndDetector::Verdict Opener::step(const RobotState& state, const Kinematics& kin
   record.reference = problem.tangential + problem.correction;
   record.clearance_min = *std::min_element(clearances_.smallest.begin(), clearances_.smallest.end());
   return ends_.step({.dt = dt, .speed = along, .wanted_speed = speed, .pull_force = correction.pull_force,
-                     .running_force = speed_law_.running_force(), .speed_factor = record.solution.speed_factor,
+                     .running_force = speed_law_.running_force(), .force_cap = force_cap(estimate),
+                     .speed_factor = record.solution.speed_factor,
                      .binding = record.solution.binding},
                     estimate);
 }

@@ -27,7 +27,8 @@ constexpr double kFingerTime = 2.5;      // longest closing: stroke over the slo
 constexpr double kFingersStill = 0.15;   // [s]
 constexpr double kHeldOpening = 0.003;   // fingers farther apart than this hold something [m]
 constexpr int kMaxMisses = 3;
-constexpr int kProbeLevels = 3;
+constexpr int kMaxProbes = 3;
+constexpr double kProbeReserve = 8.0;     // over the force that moved it in probing [N]
 constexpr double kRelease = 1e-3;        // gives way to what force is left: half of α_f [m/(N s)]
 constexpr double kReleaseTurn = 0.05;    // [rad/(N m s)]
 constexpr double kRelaxTime = 0.3;       // standstill before the fingers open [s]
@@ -67,7 +68,11 @@ void Mission::Impl::choose(const RobotState& state) {
 
 void Mission::Impl::approach(const RobotState& state) {
   if (!planned) {
-    navigator.set_target(state.base, candidates[candidate].base);
+    KeepOut wall;
+    wall.point = (handle.position - handle.standoff * handle.normal).head<2>();
+    wall.normal = handle.normal.head<2>().normalized();
+    const bool upright = handle.normal.head<2>().norm() > 0.5;  // a lid has no wall behind it
+    navigator.set_target(state.base, candidates[candidate].base, upright ? &wall : nullptr);
     planned = true;
   }
   command_base(navigator.step(state.base));
@@ -204,14 +209,10 @@ void Mission::Impl::close_fingers(const RobotState& state) noexcept {
 void Mission::Impl::probe(const RobotState& state) noexcept {
   solve_hand_twist(state, prober.step(record.kinematics.X_WE, record.wrench, config.period));
   if (prober.status() == Prober::Status::Found) {
-    opener.redirect(record.kinematics, prober.direction());
+    opener.redirect(record.kinematics, prober.direction(), prober.force() + kProbeReserve);
     process(Event::Found);
   } else if (prober.status() == Prober::Status::Nothing) {
-    if (probes < kProbeLevels) {
-      prober.start(record.kinematics.X_WE, probes++);
-    } else {
-      process(Event::Ended, EndReason::Locked);
-    }
+    process(Event::Ended, EndReason::Locked);
   }
 }
 
@@ -227,7 +228,7 @@ void Mission::Impl::open(const RobotState& state) noexcept {
     case EndDetector::Verdict::Goal: process(Event::Ended, EndReason::GoalReached); break;
     case EndDetector::Verdict::Stop: process(Event::Ended, EndReason::StopFelt); break;
     case EndDetector::Verdict::Blocked:
-      if (probes < kProbeLevels) {
+      if (probes < kMaxProbes) {
         process(Event::Blocked);
       } else {
         process(Event::Ended, EndReason::Locked);

@@ -5,7 +5,6 @@
 namespace ajar {
 namespace {
 
-constexpr int kPushes = 6;
 constexpr double kForceBand = 8.0;       // the push slows down over this much force below its level [N]
 constexpr double kSideGive = 2e-3;       // lets the hand follow the mechanism sideways, α_f of the force law [m/(N s)]
 constexpr double kTorqueGive = 0.1;      // α_τ of the force law [rad/(N m s)]
@@ -13,73 +12,88 @@ constexpr double kReturnGain = 3.0;      // [1/s]
 constexpr double kReturnGive = 1e-3;     // [m/(N s)]
 constexpr double kReturned = 2e-3;       // [m]
 constexpr double kStill = 2e-3;          // [m/s]
-constexpr double kTrustMotion = 0.03;    // below this the measured direction is partly elastic: mix in the axis [m]
+constexpr double kSpeedFilter = 0.03;    // encoder steps between two ticks are no motion [s]
+constexpr double kTrustMotion = 0.015;   // below this the measured direction is partly elastic: mix in the axis [m]
 
-// Pull first (most handles give towards the robot), then the four sides, then push.
-Vector3d push_axis(const Matrix3d& R, int push) {
-  switch (push) {
-    case 0: return -R.col(2);
-    case 1: return R.col(1);
-    case 2: return -R.col(1);
-    case 3: return R.col(0);
-    case 4: return -R.col(0);
-    default: return R.col(2);
-  }
+enum class Axis { Outward, Guess, Left, Right, Up, Down, Inward };
+
+struct Push {
+  Axis axis;
+  int level;
+};
+
+// Most handles give along the normal or where they are said to: these two lead, one force level ahead of the sides.
+constexpr std::array kPushes = {
+    Push{Axis::Outward, 0}, Push{Axis::Guess, 0}, Push{Axis::Outward, 1}, Push{Axis::Guess, 1},  //
+    Push{Axis::Left, 0},    Push{Axis::Right, 0}, Push{Axis::Up, 0},      Push{Axis::Down, 0},  Push{Axis::Inward, 0},
+    Push{Axis::Outward, 2}, Push{Axis::Guess, 2},                                               //
+    Push{Axis::Left, 1},    Push{Axis::Right, 1}, Push{Axis::Up, 1},      Push{Axis::Down, 1},  Push{Axis::Inward, 1},
+    Push{Axis::Outward, 3}, Push{Axis::Guess, 3},                                               //
+    Push{Axis::Left, 2},    Push{Axis::Right, 2}, Push{Axis::Up, 2},      Push{Axis::Down, 2},  Push{Axis::Inward, 2}};
+
+const Push& push_at(int push) noexcept {
+  return kPushes[static_cast<std::size_t>(std::clamp(push, 0, static_cast<int>(kPushes.size()) - 1))];
 }
 
 }  // namespace
 
-double Prober::force() const noexcept { return config_.forces[static_cast<std::size_t>(level_)]; }
+double Prober::force() const noexcept { return config_.forces[static_cast<std::size_t>(push_at(push_).level)]; }
 
-void Prober::start(const Pose& hand, int level) noexcept {
-  level_ = std::clamp(level, 0, static_cast<int>(config_.forces.size()) - 1);
+Vector3d Prober::axis() const noexcept {
+  switch (push_at(push_).axis) {
+    case Axis::Outward: return -R_start_.col(2);
+    case Axis::Guess: return guess_;
+    case Axis::Left: return R_start_.col(1);
+    case Axis::Right: return -R_start_.col(1);
+    case Axis::Up: return R_start_.col(0);
+    case Axis::Down: return -R_start_.col(0);
+    case Axis::Inward: break;
+  }
+  return R_start_.col(2);
+}
+
+void Prober::start(const Pose& hand, const Vector3d& guess) noexcept {
   R_start_ = hand.linear();
   p_start_ = p_last_ = hand.translation();
-  best_ = 0.0;
+  guess_ = guess;
   push_ = -1;
   status_ = Status::Running;
   next_push();
 }
 
 void Prober::next_push() noexcept {
-  ++push_;
+  do {
+    ++push_;
+  } while (push_ < static_cast<int>(kPushes.size()) && axis().squaredNorm() < 0.5);  // no guess: its pushes are left out
   returning_ = false;
   time_ = blocked_ = 0.0;
   farthest_.setZero();
-  if (push_ < kPushes) return;
-  if (best_ < config_.least) {
-    status_ = Status::Nothing;
-    return;
-  }
-  const double trust = std::clamp(best_ / kTrustMotion, 0.0, 1.0);
-  direction_ = ((1.0 - trust) * best_axis_ + trust * best_motion_.normalized()).normalized();
+  motion_.setZero();
+  if (push_ >= static_cast<int>(kPushes.size())) status_ = Status::Nothing;
+}
+
+void Prober::settle() noexcept {
+  const double trust = std::clamp(motion_.norm() / kTrustMotion, 0.0, 1.0);
+  direction_ = ((1.0 - trust) * axis() + trust * motion_.normalized()).normalized();
   status_ = Status::Found;
 }
 
 void Prober::end_push() noexcept {
-  const Vector3d axis = push_axis(R_start_, push_);
-  const double gain = farthest_.dot(axis);
-  if (gain > best_) {
-    best_ = gain;
-    best_axis_ = axis;
-    best_motion_ = farthest_;
-  }
-  returning_ = true;
-  time_ = 0.0;
-  // Clear motion settles it: go on from here instead of pushing back.
-  if (gain > config_.enough) {
-    push_ = kPushes - 1;
-    next_push();
+  if (farthest_.dot(axis()) > config_.enough) {
+    settle();  // clear motion: go on from here instead of pushing back
+  } else {
+    returning_ = true;
+    time_ = 0.0;
   }
 }
 
 Vector6d Prober::step(const Pose& hand, const HandWrench& wrench, double dt) noexcept {
   Vector6d twist = Vector6d::Zero();
   if (status_ != Status::Running || dt <= 0.0) return twist;
-  const Vector3d axis = push_axis(R_start_, push_);
+  const Vector3d along = axis();
   const Vector3d& f = wrench.force;
   const Vector3d moved = hand.translation() - p_start_;
-  const double speed = (hand.translation() - p_last_).dot(axis) / dt;
+  const double speed = (hand.translation() - p_last_).dot(along) / dt;
   p_last_ = hand.translation();
   time_ += dt;
   twist.tail<3>() = -kTorqueGive * wrench.torque;
@@ -88,12 +102,15 @@ Vector6d Prober::step(const Pose& hand, const HandWrench& wrench, double dt) noe
     if (moved.norm() < kReturned || time_ > config_.return_time) next_push();
     return twist;
   }
-  const double along = axis.dot(f);
-  twist.head<3>() = config_.speed * std::clamp((force() - along) / kForceBand, -0.5, 1.0) * axis -
-                    kSideGive * (f - along * axis);
+  const double pull = along.dot(f);
+  twist.head<3>() = config_.speed * std::clamp((force() - pull) / kForceBand, -0.5, 1.0) * along - kSideGive * (f - pull * along);
   const Vector3d net = moved - f / config_.stiffness;  // what elasticity cannot explain
-  if (net.dot(axis) > farthest_.dot(axis)) farthest_ = net;
-  blocked_ = along > force() - 0.6 * kForceBand && speed < kStill ? blocked_ + dt : 0.0;
+  if (net.dot(along) > farthest_.dot(along)) {
+    farthest_ = net;
+    motion_ = moved - f / config_.likely_stiffness;
+  }
+  filtered_speed_ += std::min(1.0, dt / kSpeedFilter) * (speed - filtered_speed_);
+  blocked_ = pull > force() - 0.6 * kForceBand && filtered_speed_ < kStill ? blocked_ + dt : 0.0;
   if (moved.norm() > config_.reach || time_ > config_.push_time || blocked_ > config_.blocked_time) end_push();
   return twist;
 }

@@ -29,10 +29,10 @@ struct Handle {
 };
 
 // Returns the angle between found and true direction, or -1 if nothing was found; adds the time to `time`.
-double probe(Handle handle, int level, double& time) {
+double probe(Handle handle, const Vector3d& guess, double& time) {
   Prober prober{ProbeConfig{}};
   Pose hand = Pose::Identity();
-  prober.start(hand, level);
+  prober.start(hand, guess);
   while (prober.status() == Prober::Status::Running && time < 60.0) {
     const HandWrench wrench{.force = handle.force(hand.translation()), .torque = Vector3d::Zero()};
     const Vector6d twist = prober.step(hand, wrench, kDt);
@@ -47,7 +47,7 @@ TEST(Prober, FindsAnyFreeDirectionWithinTenSeconds) {
   Random random(3);
   for (int i = 0; i < 200; ++i) {
     double time = 0.0;
-    const double error = probe({random.direction(), random.uniform(0.5, 8.0)}, 0, time);
+    const double error = probe({random.direction(), random.uniform(0.5, 8.0)}, Vector3d::Zero(), time);
     ASSERT_GE(error, 0.0) << "run " << i;
     EXPECT_LT(error, 0.7) << "run " << i;
     EXPECT_LT(time, 10.0) << "run " << i;
@@ -56,15 +56,24 @@ TEST(Prober, FindsAnyFreeDirectionWithinTenSeconds) {
 
 TEST(Prober, CallsALockedHandleNothing) {
   double time = 0.0;
-  EXPECT_EQ(probe({Vector3d::UnitX(), 1e6}, 0, time), -1.0);
-  EXPECT_LT(time, 10.0);
+  EXPECT_EQ(probe({Vector3d::UnitX(), 1e6}, Vector3d::Zero(), time), -1.0);
+  EXPECT_LT(time, 25.0);
 }
 
-TEST(Prober, AHeavyHandleNeedsTheNextLevel) {
+TEST(Prober, AHeavyHandleIsFoundWithMoreForceAlongTheNormalFirst) {
   double time = 0.0;
-  EXPECT_EQ(probe({-Vector3d::UnitZ(), 26.0}, 0, time), -1.0);
-  time = 0.0;
-  EXPECT_GE(probe({-Vector3d::UnitZ(), 26.0}, 1, time), 0.0);
+  EXPECT_LT(probe({-Vector3d::UnitZ(), 26.0}, Vector3d::Zero(), time), 0.2);
+  EXPECT_GE(time, 0.5);
+  EXPECT_LT(time, 5.0);
+}
+
+TEST(Prober, AGoodGuessIsTriedBeforeTheSides) {
+  const Vector3d sideways = (Vector3d::UnitX() + Vector3d::UnitY()).normalized();
+  double with_guess = 0.0;
+  double without = 0.0;
+  EXPECT_LT(probe({sideways, 15.0}, sideways, with_guess), 0.2);
+  EXPECT_GE(probe({sideways, 15.0}, Vector3d::Zero(), without), 0.0);
+  EXPECT_LT(with_guess, without);
 }
 
 }  // namespace

@@ -5,19 +5,20 @@
 namespace ajar {
 
 struct ForceLawConfig {
-  double stability_number = 0.3;        ///< α K (T_c + dead time), ≤ 0.5 keeps away from the limit π/2 [-]
+  double stability_number = 0.45;       ///< α K (T_c + dead time), ≤ 0.5 keeps away from the limit π/2 [-]
   double total_stiffness = 7e3;         ///< K of arm, servo and grasp in series [N/m]
-  double gain_max = 3e-3;               ///< Upper bound of α_f [m/(N s)]
+  double gain_max = 1e-2;               ///< Upper bound of α_f: stable up to K = 1e5 N/m at 500 Hz [m/(N s)]
   double integral_ratio = 0.33;         ///< β_f / α_f [1/s]
   double correction_max = 0.06;         ///< Largest |v_f| [m/s]
   double deadband = 0.5;                ///< Subtracted from the normal force [N]
   double torque_gain = 0.1;             ///< Upper bound of α_τ [rad/(N m s)]
   double rotational_stiffness = 100.0;  ///< K_r of the grasp: bounds α_τ by the same stability number [N m/rad]
   double turn_max = 0.4;                ///< Largest |ω_τ| [rad/s]
-  double force_limit = 45.0;            ///< Force that the pull may reach [N]
+  double force_limit = 70.0;            ///< Force that the pull may reach [N]
+  double start_force = 16.0;            ///< Force that the pull may reach while the direction is unsure [N]
   double speed_start = 0.02;            ///< Until the estimate is sure [m/s]
-  double speed = 0.12;                  ///< Cruise along the mechanism [m/s]
-  double acceleration = 0.10;           ///< Of the tangential speed [m/s²]
+  double speed = 0.20;                  ///< Cruise along the mechanism [m/s]
+  double acceleration = 0.15;           ///< Of the tangential speed [m/s²]
   double deceleration = 0.20;           ///< [m/s²]
   double give_gain = 2e-3;              ///< a_t of the tangential give [m/(N s)]
   double give_margin = 20.0;            ///< Above the running force the hand gives way [N]
@@ -72,6 +73,7 @@ struct SpeedInput {
   double normal_force = 0.0;   ///< |P f| [N]
   double measured_speed = 0.0; ///< x·V [m/s]
   double speed_cap = 1.0;      ///< From outside, e.g. an end is possible [m/s]
+  double force_cap = 1e3;      ///< Pull force allowed now, e.g. while the direction is unsure; the force limit holds besides [N]
 };
 
 /// Steady tangential speed before ramps and give: start speed to cruise by confidence, waiting for a lagging base,

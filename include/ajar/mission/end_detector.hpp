@@ -11,6 +11,7 @@ struct EndConfig {
   double stop_force = 12.0;        ///< Rise over the running force that an end stop shows [N]
   double stop_arc = 0.10;          ///< An end stop is believed after this travel [m]
   double blocked_time = 2.0;       ///< Still this long near the start: blocked [s]
+  double blocked_pull_time = 0.5;  ///< The same while pulling with what is allowed [s]
   double blocked_arc = 0.03;       ///< [m]
   double stalled_time = 6.0;       ///< Still this long anywhere: stalled [s]
   double reserve = 8.0;            ///< Below the force limit the pull counts as being at it [N]
@@ -25,6 +26,7 @@ struct EndInput {
   double wanted_speed = 0.0;     ///< [m/s]
   double pull_force = 0.0;       ///< x̂·f [N]
   double running_force = 0.0;    ///< Of the motion so far [N]
+  double force_cap = 1e3;        ///< Pull allowed now [N]
   double speed_factor = 1.0;     ///< s of the controller [-]
   BindingLimit binding = BindingLimit::None;
 };

@@ -59,7 +59,7 @@ struct GoalConfig {
 };
 
 struct MissionLimits {
-  double force = 45.0;           ///< Pull force at which opening is given up [N]
+  double force = 70.0;           ///< Pull force at which opening is given up [N]
   double abort_force = 150.0;    ///< Any force: stop at once [N]
   double abort_torque = 25.0;    ///< Any torque at the hand: stop at once [N m]
   double time = 180.0;           ///< Of the whole mission [s]

@@ -16,7 +16,8 @@ class Opener {
   void start(const RobotState& state, const Kinematics& kinematics, const HandleBelief& belief, const Vector3d& direction) noexcept;
 
   /// Goes on after probing with the direction that it found; wall and base offset stay.
-  void redirect(const Kinematics& kinematics, const Vector3d& direction) noexcept;
+  /// @param force  Pull that the first centimetres may take: what probing needed, 0 = the start force [N]
+  void redirect(const Kinematics& kinematics, const Vector3d& direction, double force = 0.0) noexcept;
 
   /// One tick of opening: fills estimate, reference, base and solution of the record.
   /// No allocation, no exception, bounded time.
@@ -32,6 +33,7 @@ class Opener {
  private:
   [[nodiscard]] double confidence(const MechanismEstimate& estimate) const noexcept;
   [[nodiscard]] double speed_cap(const MechanismEstimate& estimate) const noexcept;
+  [[nodiscard]] double force_cap(const MechanismEstimate& estimate) const noexcept;
 
   const RobotModel& model_;
   MissionConfig config_;
@@ -46,6 +48,7 @@ class Opener {
   Vector3d bar_in_hand_ = Vector3d::Zero();
   Vector3d turned_ = Vector3d::Zero();
   double base_lag_ = 0.0;
+  double start_force_ = 0.0;
 };
 
 }  // namespace ajar
