@@ -18,6 +18,7 @@ void bind(Section s, ForceLawConfig& c) {
   s.number("torque_gain", c.torque_gain, kNotNegative, "rad/(N m s)", "upper bound of the gain of the torque nulling");
   s.number("rotational_stiffness", c.rotational_stiffness, kPositive, "N m/rad", "of the grasp, as the robot believes");
   s.number("turn_max", c.turn_max, kPositive, "rad/s", "largest correction turn");
+  s.number("start_force", c.start_force, kPositive, "N", "force that the pull may reach while the direction is unsure");
   s.number("speed_start", c.speed_start, kPositive, "m/s", "along the mechanism until the estimate is sure");
   s.number("speed", c.speed, kPositive, "m/s", "cruise along the mechanism");
   s.number("acceleration", c.acceleration, kPositive, "m/s²", "of the tangential speed");
