@@ -47,8 +47,8 @@ double opening_needed(const JudgeConfig& config) noexcept {
   return std::min(kHingeShare * config.goal.opening_angle, kStopShare * config.travel);
 }
 
-Vector3d odometry_to_world(const Vector3d& v, const BasePose& odometry, const BasePose& truth) noexcept {
-  return Eigen::AngleAxisd(truth.yaw - odometry.yaw, Vector3d::UnitZ()) * v;
+Matrix3d belief_alignment(const MissionRecord& record, const Truth& truth) noexcept {
+  return truth.hand.linear() * record.kinematics.X_WE.linear().transpose();
 }
 
 struct Judge::Impl {
@@ -88,11 +88,13 @@ struct Judge::Impl {
 
   void observe_estimate(const TickView& tick, double arc) {
     const MechanismEstimate& estimate = tick.record.estimate;
-    const Vector3d direction = odometry_to_world(estimate.direction, tick.state.base, tick.truth.base);
-    const Vector3d curvature = odometry_to_world(estimate.curvature, tick.state.base, tick.truth.base);
+    const Matrix3d alignment = belief_alignment(tick.record, tick.truth);
+    const Vector3d direction = alignment * estimate.direction;
+    const Vector3d curvature = alignment * estimate.curvature;
     const double direction_error = angle_between(direction, tick.truth.direction);
     const double curvature_error = (curvature - tick.truth.curvature).norm();
-    if (!result.direction_error_start) result.direction_error_start = direction_error;
+    // In the first tick of the phase the estimate is still that of the phase before.
+    if (open_ticks > 1 && !result.direction_error_start) result.direction_error_start = direction_error;
     if (arc >= 0.10 && !result.direction_error_10cm) result.direction_error_10cm = direction_error;
     if (arc >= 0.20 && !result.direction_error_20cm) result.direction_error_20cm = direction_error;
     if (arc >= 0.20 && !result.curvature_error_20cm) result.curvature_error_20cm = curvature_error;

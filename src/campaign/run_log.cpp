@@ -101,6 +101,7 @@ struct RunLog::Channels {
   Group true_force = group({"true_force_x", "true_force_y", "true_force_z"}, "N");
 
   Group true_torque = group({"true_torque_x", "true_torque_y", "true_torque_z"}, "N m");
+  Group true_hand_q = group({"true_hand_qw", "true_hand_qx", "true_hand_qy", "true_hand_qz"}, "");
   NumberChannel true_opening_rate = list.number("true_opening_rate", "rad/s or m/s");
   IntegerChannel true_grasped = list.integer("true_grasped", "");
   NumberChannel wanted_speed = list.number("wanted_speed", "m/s");
@@ -201,6 +202,8 @@ void RunLog::fill_commanded(const TickView& tick) noexcept {
 void RunLog::fill_truth(const Truth& truth) noexcept {
   const Channels& c = *channels_;
   const Vector3d hand = truth.hand.translation();
+  const Eigen::Quaterniond turn(truth.hand.linear());
+  set(c.true_hand_q, {turn.w(), turn.x(), turn.y(), turn.z()});
   row_->set(c.true_opening, truth.opening);
   row_->set(c.true_opening_rate, truth.opening_rate);
   set(c.true_base, {truth.base.x, truth.base.y});

@@ -8,7 +8,7 @@ const D=JSON.parse(document.getElementById("data").textContent),S=D.series,T=D.t
 const $=id=>document.getElementById(id),css=n=>getComputedStyle(document.documentElement).getPropertyValue(n).trim();
 const has=k=>S[k]&&S[k].some(v=>v!==null);
 const fin=v=>typeof v==="number"&&isFinite(v);
-function fmt(v,d=3){if(!fin(v))return"–";const a=Math.abs(v);if(a!==0&&(a<1e-3||a>=1e5))return v.toExponential(1);return a>=100?v.toFixed(1):a>=10?v.toFixed(Math.min(d,2)):v.toFixed(d)}
+function fmt(v,d=3){if(!fin(v))return"–";const a=Math.abs(v);if(a>=1e5)return v.toExponential(1);return a>=100?v.toFixed(1):a>=10?v.toFixed(Math.min(d,2)):v.toFixed(d)}
 function el(tag,text,cls){const e=document.createElement(tag);if(text!==undefined)e.textContent=text;if(cls)e.className=cls;return e}
 // Phases as runs of equal names.
 const segments=[];
@@ -27,7 +27,7 @@ class Plot{
   this.canvas=el("canvas");this.canvas.setAttribute("role","img");this.canvas.setAttribute("aria-label",def.title);box.append(this.canvas);this.legend=el("div",undefined,"legend");box.append(this.legend);$("plots").append(box);
   this.values=def.series.map(s=>{const item=el("span"),mark=el("i");mark.style.borderTopColor="var("+s.color+")";if(s.dash)mark.className="dash";item.append(mark,s.label+" ");const v=el("b");item.append(v);this.legend.append(item);return v});
   for(const s of def.series)if(s.band){const item=el("span"),mark=el("i",undefined,"box");mark.style.background="var("+s.color+")";item.append(mark,s.bandLabel||"± 2σ");this.legend.append(item)}
-  if(def.limits&&def.limits.length){const item=el("span"),mark=el("i",undefined,"dash");mark.style.borderTopColor="var(--bad)";item.append(mark,"limit");this.legend.append(item)}
+  if(def.limits&&def.limits.length){const item=el("span"),mark=el("i",undefined,"dash");mark.style.borderTopColor="var(--bad)";const m=Math.max(...def.limits),n=Math.min(...def.limits);item.append(mark,"limit "+(m===-n?"± "+fmt(m,2):fmt(n,2)+" … "+fmt(m,2))+" "+def.unit);this.legend.append(item)}
   let from=null;const at=e=>{const r=this.canvas.getBoundingClientRect();return this.time(e.clientX-r.left)};
   this.canvas.addEventListener("pointermove",e=>{setCursor(nearest(at(e)));if(from!==null){this.drag=[from,at(e)];this.paint()}});
   this.canvas.addEventListener("pointerdown",e=>{if(e.pointerType==="mouse")from=at(e)});
@@ -36,7 +36,8 @@ class Plot{
  time(x){return view[0]+(x-PAD.l)/(this.w-PAD.l-PAD.r)*(view[1]-view[0])}
  x(t){return PAD.l+(t-view[0])/(view[1]-view[0]||1)*(this.w-PAD.l-PAD.r)}
  y(v){return this.h-PAD.b-(v-this.lo)/(this.hi-this.lo)*(this.h-PAD.t-PAD.b)}
- range(){let lo=Infinity,hi=-Infinity;for(const s of this.def.series){const d=S[s.key];for(let i=0;i<N;i++)if(T[i]>=view[0]&&T[i]<=view[1]&&fin(d[i])){lo=Math.min(lo,d[i]);hi=Math.max(hi,d[i])}}
+ range(){let lo=Infinity,hi=-Infinity;for(const s of this.def.series){const d=S[s.key],v=[];for(let i=0;i<N;i++)if(T[i]>=view[0]&&T[i]<=view[1]&&fin(d[i]))v.push(d[i]);if(!v.length)continue;
+  v.sort((a,b)=>a-b);const cut=this.def.robust?Math.floor(v.length*.01):0;lo=Math.min(lo,v[cut]);hi=Math.max(hi,v[v.length-1-cut])}
   for(const v of this.def.include||[]){lo=Math.min(lo,v);hi=Math.max(hi,v)}if(!(lo<=hi)){lo=0;hi=1}const pad=(hi-lo||Math.abs(hi)||1)*.08;this.lo=lo-(lo===0&&this.def.floor?0:pad);this.hi=hi+pad}
  draw(){const c=this.base=document.createElement("canvas");this.canvas.style.width="100%";const f=fit(this.canvas);this.w=f.w;this.h=f.h;const r=window.devicePixelRatio||1;c.width=this.canvas.width;c.height=this.canvas.height;
   const g=c.getContext("2d");g.setTransform(r,0,0,r,0,0);this.range();g.font="12px system-ui,sans-serif";this.phases(g);this.axes(g);
@@ -63,10 +64,10 @@ const joints=[];for(let i=1;i<=D.joints;i++)joints.push({key:"dq"+i,label:(D.joi
 const plots=[
 {title:"Force on the handle, 20 ms mean",unit:"N",include:[0],series:[{key:"normal_true",label:"normal, true",color:"--c1",digits:1},{key:"pull_true",label:"pull, true",color:"--c2",digits:1},{key:"normal_measured",label:"normal, measured",color:"--c7",dash:1,digits:1},{key:"pull_measured",label:"pull, measured",color:"--c5",dash:1,digits:1}]},
 {title:"Opening",unit:angle,include:[0],series:[{key:"opening",label:"true",color:"--truth",digits:slide?3:1},{key:"opening_estimated",label:"the robot's belief",color:"--c1",dash:1,digits:slide?3:1}]},
-{title:"Error of the believed direction",unit:"°",include:[0],floor:1,series:[{key:"direction_error",label:"true error",color:"--c1",band:"direction_2sigma",bandFromZero:1,bandLabel:"0 … 2σ as the robot believes",digits:1}]},
-{title:"Curvature",unit:"1/m",include:[0],series:[{key:"curvature_estimated",label:"believed",color:"--c1",band:"curvature_2sigma"},{key:"curvature_true",label:"true",color:"--truth",dash:1}]},
+{title:"Error of the believed direction",unit:"°",robust:1,include:[0],floor:1,series:[{key:"direction_error",label:"true error",color:"--c1",band:"direction_2sigma",bandFromZero:1,bandLabel:"0 … 2σ as the robot believes",digits:1}]},
+{title:"Curvature",unit:"1/m",robust:1,include:[0],series:[{key:"curvature_estimated",label:"believed",color:"--c1",band:"curvature_2sigma"},{key:"curvature_true",label:"true",color:"--truth",dash:1}]},
 {title:"Distance hand – base",unit:"m",series:[{key:"distance",label:"distance",color:"--c3",digits:3}]},
-{title:"Heading error of the base",unit:"°",include:[0],series:[{key:"heading_error",label:"heading error",color:"--c4",digits:1}]},
+{title:"Heading error of the base",unit:"°",robust:1,include:[0],series:[{key:"heading_error",label:"heading error",color:"--c4",digits:1}]},
 {title:"Commanded joint rates",unit:"rad/s",include:[0],limits:D.joint_limits.length?[...new Set(D.joint_limits.flatMap(v=>[v,-v]))]:[],series:joints},
 {title:"Base forward speed",unit:"m/s",include:[0],limits:D.base_limits.length?[D.base_limits[0],-D.base_limits[1]]:[],series:[{key:"cmd_v",label:"commanded",color:"--c1",digits:3},{key:"base_v",label:"measured",color:"--c2",dash:1,digits:3}]},
 {title:"Base turning rate",unit:"rad/s",include:[0],limits:D.base_limits.length?[D.base_limits[2],-D.base_limits[2]]:[],series:[{key:"cmd_w",label:"commanded",color:"--c1",digits:3},{key:"base_w",label:"measured",color:"--c2",dash:1,digits:3}]},

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cmath>
 #include <limits>
 
@@ -32,6 +31,11 @@ class Columns {
   [[nodiscard]] Vector3d vector(const std::string& name, std::size_t i) const {
     return {(*this)[name + "_x"][i], (*this)[name + "_y"][i], (*this)[name + "_z"][i]};
   }
+  /// Orientation by four columns; none at all where they are missing.
+  [[nodiscard]] Eigen::Quaterniond turn(const std::string& name, std::size_t i) const {
+    const Eigen::Quaterniond turn((*this)[name + "w"][i], (*this)[name + "x"][i], (*this)[name + "y"][i], (*this)[name + "z"][i]);
+    return turn.coeffs().allFinite() ? turn : Eigen::Quaterniond::Identity();
+  }
   [[nodiscard]] const CsvTable& table() const { return table_; }
 
  private:
@@ -42,11 +46,14 @@ class Columns {
 CsvColumns wanted_columns() {
   CsvColumns wanted;
   wanted.texts = {"phase"};
-  wanted.numbers = {"time", "base_v", "base_w", "cmd_v", "cmd_w", "distance", "heading_error", "sigma_min", "base_yaw", "est_dir_sigma",
+  wanted.numbers = {"time", "base_v", "base_w", "cmd_v", "cmd_w", "distance", "heading_error", "sigma_min", "est_dir_sigma",
                     "est_curv_sigma", "est_arc", "est_angle", "true_opening", "true_opening_rate", "true_base_x", "true_base_y",
                     "true_base_yaw", "wanted_speed", "speed_factor"};
   for (const char* vector : {"force", "est_dir", "est_curv", "true_hand", "true_handle", "true_dir", "true_curv", "true_force"}) {
     for (const char* axis : {"_x", "_y", "_z"}) wanted.numbers.push_back(std::string(vector) + axis);
+  }
+  for (const char* quaternion : {"hand_q", "true_hand_q"}) {
+    for (const char* part : {"w", "x", "y", "z"}) wanted.numbers.push_back(std::string(quaternion) + part);
   }
   for (int i = 1; i <= kMaxJoints; ++i) wanted.numbers.push_back("cmd_dq" + std::to_string(i));
   return wanted;
@@ -69,11 +76,9 @@ void split_force(const Vector3d& force, const Vector3d& direction, double& norma
   normal = (force - pull * direction).norm();
 }
 
-bool in_contact(const std::string& phase) {
-  std::string lower = phase;
-  std::transform(lower.begin(), lower.end(), lower.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return lower == "probe" || lower == "open";
-}
+/// Phases in which the estimate means something, and those in which the sensor is zeroed and touches something.
+bool has_estimate(const std::string& phase) { return phase == "probe" || phase == "open"; }
+bool has_force(const std::string& phase) { return has_estimate(phase) || phase == "grasp" || phase == "release"; }
 
 using Derived = std::map<std::string, Column>;
 
@@ -88,6 +93,10 @@ void derive_forces(const Columns& log, Derived& out) {
   const double period = rows > 1 ? (time.back() - time.front()) / static_cast<double>(rows - 1) : kForceWindow;
   const auto samples = static_cast<std::size_t>(std::clamp(kForceWindow / std::max(period, 1e-6), 1.0, 100.0) + 0.5);
   for (const char* name : {"normal_true", "pull_true", "normal_measured", "pull_measured"}) out[name] = moving_mean(out[name], samples);
+  const auto& phases = log.table().texts.at("phase");
+  for (std::size_t i = 0; i < rows; ++i) {
+    if (!has_force(phases[i])) out["normal_measured"][i] = out["pull_measured"][i] = kNothing;
+  }
 }
 
 void derive_estimate(const Columns& log, bool slide, Derived& out) {
@@ -99,10 +108,9 @@ void derive_estimate(const Columns& log, bool slide, Derived& out) {
   const auto& phases = log.table().texts.at("phase");
   for (std::size_t i = 0; i < rows; ++i) {
     out["curvature_true"][i] = log.vector("true_curv", i).norm();
-    if (!in_contact(phases[i])) continue;
-    // The belief lives in the odometry frame; what counts is where it points from the true base.
-    const double drift = log["true_base_yaw"][i] - log["base_yaw"][i];
-    const Vector3d direction = Eigen::AngleAxisd(std::isfinite(drift) ? drift : 0.0, Vector3d::UnitZ()) * log.vector("est_dir", i);
+    if (!has_estimate(phases[i])) continue;
+    // As it is judged: turned so that the believed hand lies on the true one, whatever frame the robot believes in.
+    const Vector3d direction = log.turn("true_hand_q", i) * log.turn("hand_q", i).conjugate() * log.vector("est_dir", i);
     const Vector3d truth = log.vector("true_dir", i);
     out["direction_error"][i] = kDegrees * std::atan2(direction.cross(truth).norm(), direction.dot(truth));
     out["direction_2sigma"][i] = 2.0 * kDegrees * log["est_dir_sigma"][i];

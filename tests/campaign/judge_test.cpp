@@ -170,10 +170,14 @@ TEST(Judge, ComparesBeliefInTheRobotsFrameAtTheStatedArcs) {
   Judge judge(hinge_config());
   Scene scene;
   scene.truth.base = {1.0, 2.0, 0.3};
-  scene.state.base = {1.03, 2.04, 0.1};  // odometry has turned by -0.2 rad
+  scene.state.base = {1.03, 2.04, 0.1};
+  // The robot thinks that it is turned by 0.2 rad less than it is; it sees the same of its hand.
+  const Eigen::AngleAxisd hand(0.4, Vector3d(1.0, 2.0, 3.0).normalized());
+  scene.truth.hand.linear() = Matrix3d(Eigen::AngleAxisd(0.2, Vector3d::UnitZ()) * hand);
+  scene.record.kinematics.X_WE.linear() = hand.toRotationMatrix();
   for (int i = 0; i <= 600; ++i) {
     scene.set_hinge(i * 0.001);
-    const double off = 0.5 - i * 0.0005;  // shrinking error about the vertical, in the odometry frame: minus 0.2
+    const double off = 0.5 - i * 0.0005;  // shrinking error about the vertical, in the robot's frame: minus 0.2
     scene.record.estimate.direction = Eigen::AngleAxisd(off - 0.2, Vector3d::UnitZ()) * scene.truth.direction;
     scene.record.estimate.curvature = Vector3d(0.0, 0.0, 1.0 / scene.radius + off);
     scene.record.estimate.direction_sigma = 0.03;
@@ -182,7 +186,7 @@ TEST(Judge, ComparesBeliefInTheRobotsFrameAtTheStatedArcs) {
     scene.show(judge);
   }
   const RunResult result = judge.finish(end_of(false));
-  EXPECT_NEAR(result.direction_error_start.value(), 0.5, 1e-9);
+  EXPECT_NEAR(result.direction_error_start.value(), 0.5 - 0.0005, 1e-9);
   EXPECT_NEAR(result.direction_error_10cm.value(), 0.5 - 125 * 0.0005, 1e-9);  // 0.10 m / 0.8 m = 0.125 rad
   EXPECT_NEAR(result.direction_error_20cm.value(), 0.5 - 250 * 0.0005, 1e-9);
   EXPECT_NEAR(result.curvature_error_20cm.value(), 0.5 - 250 * 0.0005, 1e-9);

@@ -19,7 +19,9 @@ TEST(RunResult, HasEveryKeyThatReadersRelyOn) {
         "distance_max_m", "heading_error_rms_rad", "heading_error_max_rad", "min_singular_value", "direction_error_final_rad",
         "curvature_error_final_per_m", "curvature_sigma_final_per_m", "limit_violations", "nonfinite_commands", "missed_ticks", "tick_us",
         "p50", "p99", "p999", "max", "real_time_factor", "seed", "version"}) {
-    EXPECT_NE(json.find("\"" + std::string(key) + "\":"), std::string::npos) << key;
+    std::string quoted(1, '"');
+    quoted.append(key).append("\":");
+    EXPECT_NE(json.find(quoted), std::string::npos) << key;
   }
 }
 

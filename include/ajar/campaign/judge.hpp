@@ -43,7 +43,7 @@ struct RunEnd {
   double wall_seconds = 0.0;          ///< [s]
 };
 
-/// Judges a run from the truth. Beliefs are compared in the robot's own frame: the error of odometry is not the estimator's.
+/// Judges a run from the truth. Beliefs are compared in the robot's own frame: the error of its localisation is not the estimator's.
 class Judge {
  public:
   explicit Judge(const JudgeConfig& config);
@@ -66,7 +66,8 @@ class Judge {
 /// [rad or m]
 [[nodiscard]] double opening_needed(const JudgeConfig& config) noexcept;
 
-/// A vector that the robot believes in its odometry frame, in the world, if its base stood where it truly stands.
-[[nodiscard]] Vector3d odometry_to_world(const Vector3d& v, const BasePose& odometry, const BasePose& truth) noexcept;
+/// Turns what the robot believes into the world as if its believed hand were the true one: R_true R_believed^T. The frame of
+/// the belief (odometry, or what the robot corrected it to by sight) has errors of its own that are not the estimator's.
+[[nodiscard]] Matrix3d belief_alignment(const MissionRecord& record, const Truth& truth) noexcept;
 
 }  // namespace ajar

@@ -51,7 +51,7 @@ struct RunResult {
   std::optional<double> heading_error_rms;     ///< Since the base moves [rad]
   std::optional<double> heading_error_max;     ///< [rad]
   std::optional<double> min_singular_value;    ///< Of the arm [-]
-  std::optional<double> direction_error_start; ///< At the first tick of phase Open [rad]
+  std::optional<double> direction_error_start; ///< At the beginning of phase Open: that of the guess, or of the probing [rad]
   std::optional<double> direction_error_10cm;  ///< At 10 cm of arc [rad]
   std::optional<double> direction_error_20cm;  ///< [rad]
   std::optional<double> direction_error_final; ///< At the end of phase Open [rad]
