@@ -1,4 +1,4 @@
-# find_package(ajar) gives ajar::mission, ajar::estimation and so on. The wheels' packages must be found first.
+# find_package(ajar) gives ajar::mission, ajar::estimation and so on; the program finds its robots beside itself.
 include(CMakePackageConfigHelpers)
 get_property(_domains GLOBAL PROPERTY AJAR_DOMAINS)
 if(TARGET ajar_mujoco)
@@ -10,8 +10,15 @@ install(EXPORT ajarTargets NAMESPACE ajar:: DESTINATION ${CMAKE_INSTALL_LIBDIR}/
 install(DIRECTORY include/ajar DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 install(DIRECTORY robots scenarios campaigns DESTINATION ${CMAKE_INSTALL_DATADIR}/ajar)
 if(TARGET ajar)
+  # The libraries of the wheels stay where they are; CMake adds by itself only those outside of the source tree.
+  foreach(_wheel IN LISTS AJAR_WHEEL_DIRS)
+    set_property(TARGET ajar APPEND PROPERTY INSTALL_RPATH "${_wheel}/cmeel.prefix/lib" "${_wheel}/mujoco")
+  endforeach()
+  set_target_properties(ajar PROPERTIES INSTALL_RPATH_USE_LINK_PATH ON)
   install(TARGETS ajar RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 endif()
+# Where this build found its wheels: the last place where a consumer's find_package looks.
+set(AJAR_BUILD_WHEELS "${AJAR_WHEEL_DIRS}")
 configure_package_config_file(cmake/ajarConfig.cmake.in ajarConfig.cmake
                               INSTALL_DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/ajar)
 write_basic_package_version_file(ajarConfigVersion.cmake COMPATIBILITY SameMinorVersion)

@@ -18,12 +18,12 @@ std::vector<fs::path> robot_folders() {
   if (const char* given = std::getenv("AJAR_ROBOTS"); given != nullptr && *given != '\0') {
     folders.emplace_back(given);
   }
-  folders.emplace_back(AJAR_ROBOTS_DIR);
   std::error_code ignored;
   const fs::path program = fs::read_symlink("/proc/self/exe", ignored);
-  if (!program.empty()) {
+  if (!program.empty()) {  // an installed program takes its own robots even where its source tree still exists
     folders.push_back(program.parent_path().parent_path() / "share" / "ajar" / "robots");
   }
+  folders.emplace_back(AJAR_ROBOTS_DIR);
   folders.emplace_back(AJAR_ROBOTS_INSTALL_DIR);
   return folders;
 }
