@@ -1,5 +1,5 @@
-// ajar_bench [NAME] [--json]: medians and tails of the inner steps, heap requests per step. Every step is timed by itself; the
-// clock's own 0.03 us are included.
+// ajar_bench [NAME] [--json]: medians and tails of the inner steps, heap requests per step. Every step is timed by itself;
+// the clock's own 0.03 us are included.
 #include <algorithm>
 #include <chrono>
 #include <cstring>

@@ -5,31 +5,33 @@
 #include "ajar/mission/mission.hpp"
 #include "ajar/plant/kinematic_plant.hpp"
 
+using namespace ajar;
+
 int main() {
-  const ajar::RobotModel robot = ajar::load_robot("heron");
+  const RobotModel robot = load_robot("heron");
 
   // The world: a door with its hinges on the left. Only the plant knows it.
-  ajar::MechanismConfig door;
+  MechanismConfig door;
   door.radius = 0.7;
-  door.side = ajar::Side::Left;
-  ajar::PlantConfig config;
+  door.side = Side::Left;
+  PlantConfig config;
   config.kind = "kinematic";
-  const ajar::BasePose start{0.2, -1.6, 1.4};
-  ajar::KinematicPlant plant(robot, ajar::make_mechanism(door), config, start, robot.home());
+  const BasePose start{0.2, -1.6, 1.4};
+  KinematicPlant plant(robot, make_mechanism(door), config, start, robot.home());
   plant.reset(1);
 
   // The robot: it sees the handle and guesses that things open towards it, here 30° wrong.
-  ajar::MissionConfig mission_config;
-  const ajar::Vector3d guess(0.5, -0.87, 0.0);
-  ajar::Mission mission(robot, mission_config, guess.normalized(), 1);
+  MissionConfig mission_config;
+  const Vector3d guess(0.5, -0.87, 0.0);
+  Mission mission(robot, mission_config, guess.normalized(), 1);
 
-  ajar::RobotState state = plant.measure();
-  ajar::Phase phase = ajar::Phase::Done;
+  RobotState state = plant.measure();
+  Phase phase = Phase::Done;
   while (!mission.finished()) {
-    const ajar::Command command = mission.step(state);
+    const Command command = mission.step(state);
     if (mission.phase() != phase) {
       phase = mission.phase();
-      std::printf("%6.2f s  %s\n", state.time, ajar::to_string(phase));
+      std::printf("%6.2f s  %s\n", state.time, to_string(phase));
     }
     plant.apply(command);
     plant.advance(mission_config.period);
