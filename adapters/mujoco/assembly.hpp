@@ -31,14 +31,15 @@ struct Built {
   scene::ModelPtr model;
   std::string joint;             // the mechanism's
   Pose X_RB = Pose::Identity();  // base frame in the robot's root link
-  bool described = true;  // false: the model's own forces act on the mechanism
+  bool described = true;         // false: the model's own forces act on the mechanism
 };
 
 /// Robot and described mechanism. @throws ConfigError, ModelError, PlantError
-[[nodiscard]] Built build(const RobotModel& robot, const Mechanism& mechanism, const PlantConfig& config, const BasePose& start);
-/// Robot in a world that we did not write. @throws IoError, ModelError, PlantError
-[[nodiscard]] Built build(const RobotModel& robot, const MjcfWorld& world, const Mechanism& mechanism, const PlantConfig& config,
+[[nodiscard]] Built build(const RobotModel& robot, const Mechanism& mechanism, const PlantConfig& config,
                           const BasePose& start);
+/// Robot in a world that we did not write. @throws IoError, ModelError, PlantError
+[[nodiscard]] Built build(const RobotModel& robot, const MjcfWorld& world, const Mechanism& mechanism,
+                          const PlantConfig& config, const BasePose& start);
 
 /// Number of a named part. @throws PlantError
 [[nodiscard]] int find(const mjModel& model, mjtObj type, const std::string& name);

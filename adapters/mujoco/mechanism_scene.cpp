@@ -180,7 +180,8 @@ void set_grasp_spring(mjModel& model, int equality, int hand_body, int handle_bo
   reference[0] = -grasp.stiffness * (1.0 - d) * translation;
   reference[1] = -grasp.damping * (1.0 - d) * translation;
   // The rotation residual is the vector part of a quaternion, half the angle: hence the 2.
-  model.eq_data[mjNEQDATA * equality + 10] = 2.0 * std::sqrt(grasp.rotational_stiffness * rotation / (grasp.stiffness * translation));
+  model.eq_data[mjNEQDATA * equality + 10] =
+      2.0 * std::sqrt(grasp.rotational_stiffness * rotation / (grasp.stiffness * translation));
 }
 
 ModelPtr compile(mjSpec& spec, const std::string& what) {

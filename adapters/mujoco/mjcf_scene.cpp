@@ -15,8 +15,8 @@ namespace ajar {
 namespace {
 
 using scene::DataPtr;
-using scene::ModelPtr;
 using scene::matrix3;
+using scene::ModelPtr;
 using scene::vector3;
 
 // Travel of a joint without limits: half a turn, or 1 m.
@@ -62,8 +62,8 @@ Compiled open_world(const MjcfWorld& world) {
   const mjModel& model = *out.model;
   out.joint = mj_name2id(&model, mjOBJ_JOINT, world.joint.c_str());
   if (out.joint < 0 || (model.jnt_type[out.joint] != mjJNT_HINGE && model.jnt_type[out.joint] != mjJNT_SLIDE)) {
-    throw ModelError(world.path.string() + ": joint '" + world.joint +
-                     "': no hinge or slide of that name; there are: " + names_of(model, mjOBJ_JOINT, static_cast<int>(model.njnt)));
+    throw ModelError(world.path.string() + ": joint '" + world.joint + "': no hinge or slide of that name; there are: " +
+                     names_of(model, mjOBJ_JOINT, static_cast<int>(model.njnt)));
   }
   out.site = mj_name2id(&model, mjOBJ_SITE, world.handle_site.c_str());
   if (out.site < 0) {
@@ -139,9 +139,11 @@ Face leaf_face(const Compiled& world, const Vector3d& grip, const std::vector<Ve
     const Vector3d back = -direction;
     int geom = -1;
     double surface[3] = {0.0, 0.0, 0.0};
-    const double front = mj_ray(world.model.get(), world.data.get(), grip.data(), direction.data(), nullptr, 1, -1, &geom, nullptr);
+    const double front =
+        mj_ray(world.model.get(), world.data.get(), grip.data(), direction.data(), nullptr, 1, -1, &geom, nullptr);
     if (front >= 0.0 && front < kFreeFront) continue;
-    const double behind = mj_ray(world.model.get(), world.data.get(), grip.data(), back.data(), nullptr, 1, -1, &geom, surface);
+    const double behind =
+        mj_ray(world.model.get(), world.data.get(), grip.data(), back.data(), nullptr, 1, -1, &geom, surface);
     if (behind < 0.0 || behind > kDeepestLeaf || behind >= best.distance) continue;
     const Vector3d normal = vector3(surface);
     best.distance = behind;
@@ -192,7 +194,8 @@ Handle describe_handle(Compiled& world, const MjcfWorld& request, int leaf) {
   handle.position = vector3(world.data->site_xpos + 3 * world.site);
   const int geom = handle_geom(world, leaf);
   hide_small_parts(world, leaf, geom);
-  const Face face = leaf_face(world, handle.position, request.normal ? std::vector<Vector3d>{request.normal->normalized()} : outward_candidates());
+  const Face face = leaf_face(world, handle.position,
+                              request.normal ? std::vector<Vector3d>{request.normal->normalized()} : outward_candidates());
   if (request.normal) {
     handle.normal = request.normal->normalized();
   } else if (std::isfinite(face.distance)) {
@@ -296,8 +299,8 @@ LeafSlot adopt_world(mjSpec& spec, const MjcfWorld& world, const PlantConfig& co
   for (mjsElement* e = mjs_firstElement(&spec, mjOBJ_GEOM); e != nullptr; e = mjs_nextElement(&spec, e)) {
     mjsGeom& geom = *mjs_asGeom(e);
     if (geom.contype == 0 && geom.conaffinity == 0) continue;  // only to look at
-    const bool on_ground = geom.type == mjGEOM_PLANE && std::abs(geom.pos[2]) < 1e-6 && std::abs(std::abs(geom.quat[0]) - 1.0) < 1e-6 &&
-                           mjs_getParent(e) == mjs_findBody(&spec, "world");
+    const bool on_ground = geom.type == mjGEOM_PLANE && std::abs(geom.pos[2]) < 1e-6 &&
+                           std::abs(std::abs(geom.quat[0]) - 1.0) < 1e-6 && mjs_getParent(e) == mjs_findBody(&spec, "world");
     geom.conaffinity |= on_ground ? kFloorBit | kWorldBit : kWorldBit;
     floor = floor || on_ground;
   }

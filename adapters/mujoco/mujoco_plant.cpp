@@ -32,14 +32,15 @@ void check_start(const RobotModel& robot, const PlantConfig& config, const BaseP
     throw PlantError("start posture: " + std::to_string(q_start.size()) + " joints: the robot has " +
                      std::to_string(robot.joints()) + " finite ones");
   }
-  if (!std::isfinite(start.x) || !std::isfinite(start.y) || !std::isfinite(start.yaw)) throw PlantError("start pose: must be finite");
+  if (!std::isfinite(start.x) || !std::isfinite(start.y) || !std::isfinite(start.yaw))
+    throw PlantError("start pose: must be finite");
 }
 
 }  // namespace
 
 struct MujocoPlant::Impl {
-  Impl(const RobotModel& robot_model, const Mechanism& true_mechanism, const PlantConfig& plant_config, const BasePose& start_pose,
-       const JointVector& q_start, Built built)
+  Impl(const RobotModel& robot_model, const Mechanism& true_mechanism, const PlantConfig& plant_config,
+       const BasePose& start_pose, const JointVector& q_start, Built built)
       : robot(robot_model),
         mechanism(true_mechanism),
         config(plant_config),
@@ -60,7 +61,9 @@ struct MujocoPlant::Impl {
         random(0) {
     if (!data || !settled) throw PlantError("MuJoCo: no memory for the state");
     closed = model->qpos0[at.mechanism_q];
-    sign = vector3(model->jnt_axis + 3 * scene::find(*model, mjOBJ_JOINT, built.joint)).dot(closed_axis(built.joint)) >= 0.0 ? 1.0 : -1.0;
+    sign = vector3(model->jnt_axis + 3 * scene::find(*model, mjOBJ_JOINT, built.joint)).dot(closed_axis(built.joint)) >= 0.0
+               ? 1.0
+               : -1.0;
     settle();
   }
 
@@ -124,7 +127,8 @@ void MujocoPlant::Impl::settle() {
   mj_kinematics(model.get(), data.get());
   grasp.reset(*data);
   mj_step1(model.get(), data.get());
-  const std::array<double, 2> origin = rolls ? std::array<double, 2>{data->qpos[at.base_q], data->qpos[at.base_q + 1]} : std::array<double, 2>{};
+  const std::array<double, 2> origin =
+      rolls ? std::array<double, 2>{data->qpos[at.base_q], data->qpos[at.base_q + 1]} : std::array<double, 2>{};
   DriveReference rest;
   rest.dq = JointVector::Zero(robot.joints());
   const int count = static_cast<int>(std::lround(kSettleTime / config.time_step));
@@ -177,7 +181,8 @@ void MujocoPlant::Impl::drive_wheels(const DriveReference& reference) noexcept {
     // The simulated wheel has the assumed radius; a larger true one shows as more turn for the same belief.
     const double speed = std::clamp(believed(k), -limit, limit) * disturbances.wheel_ratio(k);
     const double angle = data->qpos[at.wheel_q[side]];
-    wheel_reference(k) = std::clamp(wheel_reference(k) + config.time_step * speed, angle - kWheelWindUp, angle + kWheelWindUp);
+    wheel_reference(k) =
+        std::clamp(wheel_reference(k) + config.time_step * speed, angle - kWheelWindUp, angle + kWheelWindUp);
     const double* bias = model->actuator_biasprm + mjNBIAS * at.wheel_servo[side];
     data->ctrl[at.wheel_servo[side]] = wheel_reference(k) + bias[2] / bias[1] * speed;
   }
@@ -254,7 +259,8 @@ void MujocoPlant::Impl::step() noexcept {
   contact_log.record(*model, *data, time);
   grasp.step(*data, gripper_closed, !fault(Fault::Kind::GraspLost));
   mj_step1(model.get(), data.get());
-  diverged = data->warning[mjWARN_BADQACC].number + data->warning[mjWARN_BADQVEL].number + data->warning[mjWARN_BADQPOS].number > 0;
+  diverged =
+      data->warning[mjWARN_BADQACC].number + data->warning[mjWARN_BADQVEL].number + data->warning[mjWARN_BADQPOS].number > 0;
 }
 
 BasePose MujocoPlant::Impl::base_pose() const noexcept {
@@ -320,8 +326,8 @@ RobotState MujocoPlant::Impl::measure() noexcept {
   return state;
 }
 
-MujocoPlant::MujocoPlant(const RobotModel& model, const Mechanism& mechanism, const PlantConfig& config, const BasePose& start,
-                         const JointVector& q_start) {
+MujocoPlant::MujocoPlant(const RobotModel& model, const Mechanism& mechanism, const PlantConfig& config,
+                         const BasePose& start, const JointVector& q_start) {
   check_start(model, config, start, q_start);
   impl_ = std::make_unique<Impl>(model, mechanism, config, start, q_start, scene::build(model, mechanism, config, start));
   impl_->reset(0);
@@ -331,7 +337,8 @@ MujocoPlant::MujocoPlant(const RobotModel& model, const MjcfWorld& world, const 
                          const JointVector& q_start) {
   check_start(model, config, start, q_start);
   const Mechanism mechanism = load_mjcf_mechanism(world);
-  impl_ = std::make_unique<Impl>(model, mechanism, config, start, q_start, scene::build(model, world, mechanism, config, start));
+  impl_ =
+      std::make_unique<Impl>(model, mechanism, config, start, q_start, scene::build(model, world, mechanism, config, start));
   impl_->reset(0);
 }
 

@@ -65,9 +65,7 @@ mjsJoint& robot_joint(mjSpec& spec, const std::string& name) {
   return *mjs_asJoint(element);
 }
 
-mjsBody& body_of_joint(mjSpec& spec, const std::string& name) {
-  return *mjs_getParent(robot_joint(spec, name).element);
-}
+mjsBody& body_of_joint(mjSpec& spec, const std::string& name) { return *mjs_getParent(robot_joint(spec, name).element); }
 
 void dress_joints(mjSpec& spec, const RobotModel& model) {
   const std::vector<ServoGains> gains = servo_gains(model);
@@ -173,7 +171,8 @@ void add_casters(mjsBody& root, const RobotModel& model, const Pose& X_RB) {
     lower = lower.cwiseMin(shape.pose_in_joint.translation() - extent);
     upper = upper.cwiseMax(shape.pose_in_joint.translation() + extent);
   }
-  if (!lower.allFinite()) throw ModelError("robot '" + model.name() + "': a wheeled base needs a collision shape to stand on");
+  if (!lower.allFinite())
+    throw ModelError("robot '" + model.name() + "': a wheeled base needs a collision shape to stand on");
   const Vector3d middle = 0.5 * (lower + upper);
   const Vector3d half = 0.5 * (upper - lower);
   const double x = std::max(half.x() - kCasterInsetX, 0.5 * half.x());

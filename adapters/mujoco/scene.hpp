@@ -76,7 +76,8 @@ void add_floor(mjSpec& spec, const PlantConfig& config);
 /// @return X_RB, the base frame in the root link  @throws ModelError
 [[nodiscard]] Pose add_robot(mjSpec& spec, const RobotModel& model, const PlantConfig& config, const BasePose& start);
 /// Adds grip site, sleeve, grasp and lock of the mechanism. Last step before compiling.
-void add_grasp(mjSpec& spec, const RobotModel& model, const Mechanism& mechanism, const GraspConfig& grasp, const LeafSlot& slot);
+void add_grasp(mjSpec& spec, const RobotModel& model, const Mechanism& mechanism, const GraspConfig& grasp,
+               const LeafSlot& slot);
 
 /// Reads an MJCF file. @throws IoError, ModelError
 [[nodiscard]] SpecPtr read_mjcf(const std::filesystem::path& path);

@@ -18,9 +18,7 @@ int need(int id, const char* name) {
   return id;
 }
 
-bool begins_with(const char* text, const char* start) {
-  return text != nullptr && std::string(text).rfind(start, 0) == 0;
-}
+bool begins_with(const char* text, const char* start) { return text != nullptr && std::string(text).rfind(start, 0) == 0; }
 
 /// Name of what a geom belongs to, as the result reports it.
 std::string part_name(const mjModel& model, int geom) {
@@ -177,7 +175,8 @@ void ContactLog::record(const mjModel& model, const mjData& data, double time) n
       continue;
     }
     keys_.push_back(key);
-    contacts_.push_back({time, parts_[static_cast<std::size_t>(first)] + " + " + parts_[static_cast<std::size_t>(second)], force[0]});
+    contacts_.push_back(
+        {time, parts_[static_cast<std::size_t>(first)] + " + " + parts_[static_cast<std::size_t>(second)], force[0]});
   }
 }
 

@@ -24,7 +24,7 @@ class Grasp {
   [[nodiscard]] bool grasped() const noexcept { return grasped_; }
   [[nodiscard]] double opening() const noexcept { return gripper_.opening(); }  ///< Of the fingers [m]
   [[nodiscard]] const Vector3d& force() const noexcept { return force_; }       ///< Robot on handle, world axes [N]
-  [[nodiscard]] const Vector3d& torque() const noexcept { return torque_; }     ///< Robot on handle about the hand, world [N m]
+  [[nodiscard]] const Vector3d& torque() const noexcept { return torque_; }  ///< Robot on handle about the hand, world [N m]
 
  private:
   [[nodiscard]] double grip_distance(const mjData& data) const noexcept;
@@ -37,8 +37,8 @@ class Grasp {
   mjModel& model_;
   GraspConfig config_;
   Gripper gripper_;
-  double thickness_;    // of the handle [m]
-  double drop_reach_;   // how far the grip may creep from the handle's centre [m]
+  double thickness_;   // of the handle [m]
+  double drop_reach_;  // how far the grip may creep from the handle's centre [m]
   int equality_;
   int hand_site_;
   int grip_site_;
@@ -64,7 +64,7 @@ class ContactLog {
   std::vector<int> part_of_geom_;    // index in parts_
   std::vector<bool> robot_of_geom_;  // the robot's body, wheels and casters excepted
   std::vector<std::string> parts_;
-  std::vector<int> keys_;            // of the pair, beside contacts_
+  std::vector<int> keys_;  // of the pair, beside contacts_
   std::vector<Contact> contacts_;
 };
 

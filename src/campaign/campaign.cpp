@@ -20,7 +20,8 @@ struct Row {
   bool opened = false;
 };
 
-std::string join_row(int index, std::uint64_t seed, int exit_code, const std::vector<ResultField>& drawn, const std::vector<ResultField>& result) {
+std::string join_row(int index, std::uint64_t seed, int exit_code, const std::vector<ResultField>& drawn,
+                     const std::vector<ResultField>& result) {
   std::string text = fmt::format("{},{},{}", index, seed, exit_code);
   const auto append = [&](const ResultField& field) {
     text += ',';
@@ -59,13 +60,15 @@ class RowFile {
   RowFile(const Campaign& campaign, const CampaignOptions& options) : file_(options.out / "runs.csv") {
     std::error_code error;
     std::filesystem::create_directories(options.out, error);
-    if (error || !std::filesystem::is_directory(options.out)) throw IoError("cannot make the folder '" + options.out.string() + "'");
+    if (error || !std::filesystem::is_directory(options.out))
+      throw IoError("cannot make the folder '" + options.out.string() + "'");
     const std::string header = header_row(campaign);
     const std::string identity = fmt::format("# seed {}\n{}", campaign.seed, campaign.text);
     const std::filesystem::path copy = options.out / "campaign.toml";
     if (std::filesystem::exists(file_)) {
       if (!options.resume) throw ConfigError(file_.string() + " exists: allowed: --resume, or another --out");
-      if (read_text(copy) != identity) throw ConfigError(copy.string() + " differs from this campaign: allowed: --resume of the same file and seed");
+      if (read_text(copy) != identity)
+        throw ConfigError(copy.string() + " differs from this campaign: allowed: --resume of the same file and seed");
       next_ = cut_to_complete_rows(header);
     } else {
       std::ofstream(copy, std::ios::binary) << identity;
@@ -94,7 +97,8 @@ class RowFile {
  private:
   int cut_to_complete_rows(const std::string& header) {
     const std::string text = read_text(file_);
-    if (text.rfind(header, 0) != 0) throw ConfigError(file_.string() + ":1: its columns differ from those of this campaign and version");
+    if (text.rfind(header, 0) != 0)
+      throw ConfigError(file_.string() + ":1: its columns differ from those of this campaign and version");
     const std::size_t end = text.rfind('\n') + 1;
     std::filesystem::resize_file(file_, end);
     const CsvTable table = read_csv(file_, {{}, {"outcome"}});
@@ -206,7 +210,8 @@ class Pool {
 
 CampaignSummary run_campaign(const Campaign& campaign, const RunFunction& run, const CampaignOptions& options) {
   if (options.out.empty()) throw ConfigError("campaign: an output folder is needed");
-  if (options.jobs < 0) throw ConfigError(fmt::format("--jobs {}: allowed: at least 1, or 0 for one per processor", options.jobs));
+  if (options.jobs < 0)
+    throw ConfigError(fmt::format("--jobs {}: allowed: at least 1, or 0 for one per processor", options.jobs));
   RowFile rows(campaign, options);
   Pool(campaign, run, options, rows).work();
   const CampaignSummary summary = summarize(rows.file());

@@ -33,14 +33,18 @@ std::string literal(const toml::node& node) {
   return text.str();
 }
 
-[[noreturn]] void refuse(const Campaign& campaign, const toml::node& node, const std::string& key, const std::string& allowed) {
-  throw ConfigError(fmt::format("{}{} = {}: allowed: {}", place(campaign, node), key, node.is_table() ? "a table" : literal(node), allowed));
+[[noreturn]] void refuse(const Campaign& campaign, const toml::node& node, const std::string& key,
+                         const std::string& allowed) {
+  throw ConfigError(fmt::format("{}{} = {}: allowed: {}", place(campaign, node), key,
+                                node.is_table() ? "a table" : literal(node), allowed));
 }
 
-void check_keys(const Campaign& campaign, const toml::table& table, const std::string& prefix, const std::vector<std::string>& valid) {
+void check_keys(const Campaign& campaign, const toml::table& table, const std::string& prefix,
+                const std::vector<std::string>& valid) {
   for (const auto& [key, node] : table) {
     if (std::find(valid.begin(), valid.end(), key.str()) != valid.end()) continue;
-    throw ConfigError(fmt::format("{}{}{}: unknown key; valid here: {}", place(campaign, node), prefix, key.str(), fmt::join(valid, ", ")));
+    throw ConfigError(fmt::format("{}{}{}: unknown key; valid here: {}", place(campaign, node), prefix, key.str(),
+                                  fmt::join(valid, ", ")));
   }
 }
 
@@ -64,20 +68,25 @@ std::string read_file(const std::filesystem::path& file) {
   return text;
 }
 
-std::pair<double, double> read_range(const Campaign& campaign, const toml::node& node, const std::string& key, bool positive) {
-  const char* allowed = positive ? "two numbers [lower, upper], 0 < lower <= upper" : "two numbers [lower, upper], lower <= upper";
+std::pair<double, double> read_range(const Campaign& campaign, const toml::node& node, const std::string& key,
+                                     bool positive) {
+  const char* allowed =
+      positive ? "two numbers [lower, upper], 0 < lower <= upper" : "two numbers [lower, upper], lower <= upper";
   const toml::array* array = node.as_array();
-  if (array == nullptr || array->size() != 2 || !array->get(0)->is_number() || !array->get(1)->is_number()) refuse(campaign, node, key, allowed);
+  if (array == nullptr || array->size() != 2 || !array->get(0)->is_number() || !array->get(1)->is_number())
+    refuse(campaign, node, key, allowed);
   const double lower = array->get(0)->value<double>().value_or(kNotANumber);
   const double upper = array->get(1)->value<double>().value_or(kNotANumber);
-  if (!std::isfinite(lower) || !std::isfinite(upper) || lower > upper || (positive && lower <= 0.0)) refuse(campaign, node, key, allowed);
+  if (!std::isfinite(lower) || !std::isfinite(upper) || lower > upper || (positive && lower <= 0.0))
+    refuse(campaign, node, key, allowed);
   return {lower, upper};
 }
 
 SampledKey read_law(const Campaign& campaign, const toml::table& table, const std::string& key) {
   SampledKey sampled;
   sampled.key = key;
-  if (table.size() != 1) refuse(campaign, table, "sample.keys." + key, "exactly one of uniform, log_uniform, choice, chance");
+  if (table.size() != 1)
+    refuse(campaign, table, "sample.keys." + key, "exactly one of uniform, log_uniform, choice, chance");
   const std::string law(table.begin()->first.str());
   const toml::node& node = table.begin()->second;
   const std::string name = "sample.keys." + key + "." + law;
@@ -87,7 +96,8 @@ SampledKey read_law(const Campaign& campaign, const toml::table& table, const st
   } else if (law == "chance") {
     sampled.law = SampledKey::Law::Chance;
     sampled.probability = node.is_number() ? node.value<double>().value_or(-1.0) : -1.0;
-    if (!(sampled.probability >= 0.0 && sampled.probability <= 1.0)) refuse(campaign, node, name, "a probability from 0 to 1");
+    if (!(sampled.probability >= 0.0 && sampled.probability <= 1.0))
+      refuse(campaign, node, name, "a probability from 0 to 1");
   } else {
     sampled.law = SampledKey::Law::Choice;
     const toml::array* array = node.as_array();
@@ -129,7 +139,8 @@ void read_sample(Campaign& campaign, const toml::table& sample) {
     }
   }
   if (const toml::table* keys = find_table(campaign, sample, "keys")) read_sampled(campaign, *keys, "");
-  std::sort(campaign.sampled.begin(), campaign.sampled.end(), [](const SampledKey& a, const SampledKey& b) { return a.key < b.key; });
+  std::sort(campaign.sampled.begin(), campaign.sampled.end(),
+            [](const SampledKey& a, const SampledKey& b) { return a.key < b.key; });
 }
 
 void read_table(Campaign& campaign, const toml::table& table) {
@@ -148,19 +159,22 @@ void read_table(Campaign& campaign, const toml::table& table) {
   if (!ids->is_array() || ids->as_array()->empty()) refuse(campaign, *ids, "table.ids", "\"all\" or a list of ids");
   for (const toml::node& id : *ids->as_array()) {
     const std::string name = id.value<std::string>().value_or("");
-    if (std::find(known.begin(), known.end(), name) == known.end()) refuse(campaign, id, "table.ids", "ids of " + campaign.table.string());
+    if (std::find(known.begin(), known.end(), name) == known.end())
+      refuse(campaign, id, "table.ids", "ids of " + campaign.table.string());
     campaign.doors.push_back(name);
   }
 }
 
-std::int64_t read_integer(const Campaign& campaign, const toml::node& node, const std::string& key, std::int64_t least, const char* allowed) {
+std::int64_t read_integer(const Campaign& campaign, const toml::node& node, const std::string& key, std::int64_t least,
+                          const char* allowed) {
   const auto value = node.is_integer() ? node.value<std::int64_t>() : std::nullopt;
   if (!value || *value < least) refuse(campaign, node, key, allowed);
   return *value;
 }
 
 /// Lines of the keys of [base], so that what the scenario refuses is told with the line of the campaign file.
-void collect_lines(const toml::table& table, const std::string& prefix, std::vector<std::pair<std::string, std::uint32_t>>& lines) {
+void collect_lines(const toml::table& table, const std::string& prefix,
+                   std::vector<std::pair<std::string, std::uint32_t>>& lines) {
   for (const auto& [key, node] : table) {
     const std::string name = prefix + std::string(key.str());
     lines.emplace_back(name, node.source().begin.line);
@@ -211,13 +225,17 @@ Campaign load_campaign(const std::filesystem::path& file) {
     text << *base << '\n';
     campaign.base = text.str();
     const bool mechanism = base->contains("mechanism");
-    if (mechanism && !campaign.draw.empty()) refuse(campaign, *base->get("mechanism"), "base.mechanism", "nothing where sample.draw is given");
-    if (mechanism && !campaign.table.empty()) refuse(campaign, *base->get("mechanism"), "base.mechanism", "nothing where [table] is given");
+    if (mechanism && !campaign.draw.empty())
+      refuse(campaign, *base->get("mechanism"), "base.mechanism", "nothing where sample.draw is given");
+    if (mechanism && !campaign.table.empty())
+      refuse(campaign, *base->get("mechanism"), "base.mechanism", "nothing where [table] is given");
   }
-  if (!campaign.draw.empty() && !campaign.table.empty()) throw ConfigError(file.string() + ":1: allowed: either sample.draw or [table], not both");
+  if (!campaign.draw.empty() && !campaign.table.empty())
+    throw ConfigError(file.string() + ":1: allowed: either sample.draw or [table], not both");
   campaign.runs = static_cast<int>(campaign.doors.size());
   if (const toml::node* runs = tree.get("runs")) {
-    campaign.runs = static_cast<int>(std::min<std::int64_t>(read_integer(campaign, *runs, "runs", 1, "a whole number of at least 1"), 10000000));
+    campaign.runs = static_cast<int>(
+        std::min<std::int64_t>(read_integer(campaign, *runs, "runs", 1, "a whole number of at least 1"), 10000000));
   }
   if (campaign.runs < 1) throw ConfigError(file.string() + ":1: runs: missing; allowed: a whole number of at least 1");
   if (const toml::node* seed = tree.get("seed")) {

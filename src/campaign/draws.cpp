@@ -17,7 +17,8 @@ struct Generator {
 };
 
 /// The generators that a campaign may name.
-constexpr Generator kGenerators[] = {{"pull", sample_pull}, {"push", sample_push}, {"sliding", sample_sliding}, {"oven", sample_oven}};
+constexpr Generator kGenerators[] = {
+    {"pull", sample_pull}, {"push", sample_push}, {"sliding", sample_sliding}, {"oven", sample_oven}};
 
 }  // namespace
 

@@ -223,7 +223,8 @@ RunResult Judge::finish(const RunEnd& end) const {
   }
   result.tick_us = tick_times(impl_->tick_us);
   const double period_us = config.period * 1e6;
-  result.missed_ticks = std::count_if(impl_->tick_us.begin(), impl_->tick_us.end(), [&](float t) { return static_cast<double>(t) > period_us; });
+  result.missed_ticks = std::count_if(impl_->tick_us.begin(), impl_->tick_us.end(),
+                                      [&](float t) { return static_cast<double>(t) > period_us; });
   if (end.wall_seconds > 0.0) result.real_time_factor = end.duration / end.wall_seconds;
   return result;
 }

@@ -42,7 +42,8 @@ bool LimitWatch::command_outside(const Command& command) noexcept {
   bad |= outside("commanded base turning rate", 0, command.base_w, limits.base_yaw_rate + kRoundOff);
   const double turn = 0.5 * config_.wheel_track * command.base_w;
   for (const double speed : {command.base_v - turn, command.base_v + turn}) {
-    bad |= outside("commanded wheel speed", 0, speed / config_.wheel_radius, limits.wheel_speed + kRoundOff / config_.wheel_radius);
+    bad |= outside("commanded wheel speed", 0, speed / config_.wheel_radius,
+                   limits.wheel_speed + kRoundOff / config_.wheel_radius);
   }
   return bad;
 }
@@ -57,7 +58,8 @@ bool LimitWatch::truth_outside(const Truth& truth) noexcept {
                    half + kPositionMargin);
   }
   for (Eigen::Index i = 0; i < std::min(truth.dq.size(), limits.velocity.size()); ++i) {
-    bad |= outside("true rate of joint", static_cast<int>(i) + 1, truth.dq[i], (1.0 + kRateShare) * limits.velocity[i] + kRateMargin);
+    bad |= outside("true rate of joint", static_cast<int>(i) + 1, truth.dq[i],
+                   (1.0 + kRateShare) * limits.velocity[i] + kRateMargin);
   }
   return bad;
 }

@@ -66,10 +66,12 @@ struct Run {
     const PlantRequest request{scenario, model, mechanism ? &*mechanism : nullptr,
                                [this](const Mechanism& m) { return start_pose(scenario, m); }, model.home()};
     SimulatedPlant made = factory(request);
-    if (!made.plant || made.witness == nullptr) throw PlantError("plant." + scenario.plant.kind + ": the factory made no plant");
+    if (!made.plant || made.witness == nullptr)
+      throw PlantError("plant." + scenario.plant.kind + ": the factory made no plant");
     made.plant->reset(scenario.seed);
     if (made.truth.latched) {
-      made.notes.push_back("latch '" + (made.truth.latch.empty() ? std::string("unnamed") : made.truth.latch) + "' is treated as free");
+      made.notes.push_back("latch '" + (made.truth.latch.empty() ? std::string("unnamed") : made.truth.latch) +
+                           "' is treated as free");
     }
     return made;
   }

@@ -33,7 +33,8 @@ Json footprint(const RobotModel& model) {
     if (shape.joint >= 0) continue;
     const Matrix3d R = shape.pose_in_joint.linear();
     Vector3d half = R.cwiseAbs() * shape.half_extents;
-    if (shape.kind == CollisionShape::Kind::Capsule) half = R.col(2).cwiseAbs() * shape.half_length + Vector3d::Constant(shape.radius);
+    if (shape.kind == CollisionShape::Kind::Capsule)
+      half = R.col(2).cwiseAbs() * shape.half_length + Vector3d::Constant(shape.radius);
     const Vector3d p = shape.pose_in_joint.translation();
     lower = lower.cwiseMin((p - half).head<2>());
     upper = upper.cwiseMax((p + half).head<2>());

@@ -28,7 +28,8 @@ std::filesystem::path scenario_path(const Scenario& scenario, const std::filesys
 }
 
 BasePose start_pose(const Scenario& scenario, const Mechanism& mechanism) {
-  if (scenario.mechanism.form == MechanismSource::Form::Table) return door_approach(scenario.mechanism.table, scenario.mechanism.id);
+  if (scenario.mechanism.form == MechanismSource::Form::Table)
+    return door_approach(scenario.mechanism.table, scenario.mechanism.id);
   const StartConfig& start = scenario.start;
   const Handle& handle = mechanism.handle;
   Vector3d normal(handle.normal.x(), handle.normal.y(), 0.0);
@@ -40,7 +41,8 @@ BasePose start_pose(const Scenario& scenario, const Mechanism& mechanism) {
   return {place.x(), place.y(), wrap_angle(std::atan2(ahead.y(), ahead.x()) + start.heading_error)};
 }
 
-std::optional<Vector3d> draw_direction_guess(const BeliefConfig& belief, const Vector3d& true_direction, std::uint64_t seed) {
+std::optional<Vector3d> draw_direction_guess(const BeliefConfig& belief, const Vector3d& true_direction,
+                                             std::uint64_t seed) {
   if (!belief.direction_error) return std::nullopt;
   Random random(seed ^ kGuessStream);
   const Vector3d x = true_direction.normalized();

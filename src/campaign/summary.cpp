@@ -63,7 +63,8 @@ struct Rows {
 Rows read_rows(const std::filesystem::path& file) {
   CsvColumns wanted;
   for (const Metric& metric : kMetrics) wanted.numbers.emplace_back(metric.column);
-  for (const char* name : {"exit_code", "unwanted_contact_count", "limit_violations", "nonfinite_commands", "belief.direction_error_deg"}) {
+  for (const char* name :
+       {"exit_code", "unwanted_contact_count", "limit_violations", "nonfinite_commands", "belief.direction_error_deg"}) {
     wanted.numbers.emplace_back(name);
   }
   wanted.texts = {"outcome", "reason", "mechanism_type_true"};
@@ -151,7 +152,8 @@ std::string to_json(const CampaignSummary& summary) {
                   {"runs_with_contact", group.contact_runs},
                   {"runs_with_error", group.errors}};
     for (const auto& [column, metric] : group.metrics) {
-      entry["metrics"][column] = {{"count", metric.count}, {"p50", json_of(metric.p50)}, {"p90", json_of(metric.p90)}, {"max", json_of(metric.max)}};
+      entry["metrics"][column] = {
+          {"count", metric.count}, {"p50", json_of(metric.p50)}, {"p90", json_of(metric.p90)}, {"max", json_of(metric.max)}};
     }
     json["groups"][group.name] = entry;
   }
@@ -159,10 +161,11 @@ std::string to_json(const CampaignSummary& summary) {
 }
 
 std::string format_summary(const CampaignSummary& summary) {
-  std::string text = fmt::format("{:<34}{:>7}{:>9}{:>12}{:>10}{:>9}\n", "group", "runs", "opened", "no contact", "contacts", "errors");
+  std::string text =
+      fmt::format("{:<34}{:>7}{:>9}{:>12}{:>10}{:>9}\n", "group", "runs", "opened", "no contact", "contacts", "errors");
   for (const GroupSummary& group : summary.groups) {
-    text += fmt::format("{:<34}{:>7}{:>9}{:>12}{:>10}{:>9}\n", group.name, group.runs, group.opened, group.opened_clean, group.contact_runs,
-                        group.errors);
+    text += fmt::format("{:<34}{:>7}{:>9}{:>12}{:>10}{:>9}\n", group.name, group.runs, group.opened, group.opened_clean,
+                        group.contact_runs, group.errors);
   }
   text += "\nreasons: ";
   bool first = true;
@@ -177,8 +180,8 @@ std::string format_summary(const CampaignSummary& summary) {
     for (const Metric& metric : kMetrics) {
       const MetricSummary& m = group.metrics.at(metric.column);
       if (m.count == 0) continue;
-      text += fmt::format("{:<40}{:>9}{:>9}{:>9}{:>7}\n", fmt::format("{} [{}]", metric.title, metric.unit), cell(m.p50, metric.scale),
-                          cell(m.p90, metric.scale), cell(m.max, metric.scale), m.count);
+      text += fmt::format("{:<40}{:>9}{:>9}{:>9}{:>7}\n", fmt::format("{} [{}]", metric.title, metric.unit),
+                          cell(m.p50, metric.scale), cell(m.p90, metric.scale), cell(m.max, metric.scale), m.count);
     }
   }
   return text;

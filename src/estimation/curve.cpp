@@ -20,9 +20,11 @@ Coefficients coefficients(double theta2, double s) {
   const double a2 = theta2 * s * s;
   const double s2 = s * s;
   if (a2 < kSeriesAngle * kSeriesAngle) {
-    return {1.0 - a2 / 2.0 * (1.0 - a2 / 12.0 * (1.0 - a2 / 30.0)), s * (1.0 - a2 / 6.0 * (1.0 - a2 / 20.0 * (1.0 - a2 / 42.0))),
+    return {1.0 - a2 / 2.0 * (1.0 - a2 / 12.0 * (1.0 - a2 / 30.0)),
+            s * (1.0 - a2 / 6.0 * (1.0 - a2 / 20.0 * (1.0 - a2 / 42.0))),
             s2 * (0.5 - a2 / 24.0 * (1.0 - a2 / 30.0 * (1.0 - a2 / 56.0))),
-            s2 * s * (-1.0 / 3.0 + a2 / 30.0 * (1.0 - a2 / 28.0)), s2 * s2 * (-1.0 / 12.0 + a2 / 180.0 * (1.0 - 3.0 * a2 / 112.0))};
+            s2 * s * (-1.0 / 3.0 + a2 / 30.0 * (1.0 - a2 / 28.0)),
+            s2 * s2 * (-1.0 / 12.0 + a2 / 180.0 * (1.0 - 3.0 * a2 / 112.0))};
   }
   const double theta = std::sqrt(theta2);
   const double cosine = std::cos(theta * s);
@@ -40,9 +42,9 @@ CurvePoint curve_at(const Vector2d& kap, double s) noexcept {
   CurvePoint point;
   point.q << c1, c2 * k2, -c2 * k1;
   point.t << cosine, c1 * k2, -c1 * k1;
-  point.D << g1 * k1, g1 * k2,                //
-      g2 * k1 * k2, g2 * k2 * k2 + c2,        //
-      -g2 * k1 * k1 - c2, -g2 * k1 * k2;      //
+  point.D << g1 * k1, g1 * k2,            //
+      g2 * k1 * k2, g2 * k2 * k2 + c2,    //
+      -g2 * k1 * k1 - c2, -g2 * k1 * k2;  //
   return point;
 }
 

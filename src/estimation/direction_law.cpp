@@ -30,8 +30,8 @@ AdaptiveGains adaptive_gains(double bandwidth, double damping_ratio, double spee
   return gains;
 }
 
-DirectionState step_adaptive_law(const DirectionState& state, const Vector3d& v_ref, double speed, const AdaptiveGains& gains,
-                                 double dt) noexcept {
+DirectionState step_adaptive_law(const DirectionState& state, const Vector3d& v_ref, double speed,
+                                 const AdaptiveGains& gains, double dt) noexcept {
   const Vector3d turn = state.x.cross(v_ref);
   // As a rotation vector: x̂' = w × x̂ with w = γ s x̂ × v_ref + s k̂.
   const Vector3d w = limited(gains.gamma * speed * turn + speed * state.k, kMaxTurnRate);

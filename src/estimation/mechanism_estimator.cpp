@@ -14,22 +14,22 @@
 namespace ajar {
 namespace {
 
-constexpr double kGuessSigma = 0.6;         // a guess uniformly wrong up to 60° has 35° RMS [rad]
-constexpr double kCurvatureSigma = 3.0;     // of each component before data: hinges of 0.3 m and more [1/m]
-constexpr double kFadeDirection = 0.05;     // direction sigma at which filter and adaptive law weigh the same (3°) [rad]
-constexpr double kFadeCurvature = 0.4;      // curvature sigma at which they do [1/m]
-constexpr double kDirectionFloor = 0.1;     // share of γ that stays: the force still speaks when the path is sure [-]
-constexpr double kCurvatureFloor = 0.02;    // share of Γ that stays [-]
-constexpr double kPullRate = 20.0;          // rate at which a sure filter draws direction and curvature to itself [1/s]
-constexpr double kMaxTurnRate = 1.5;        // hand-over and restarts turn the direction no faster [rad/s]
-constexpr double kMaxBendRate = 8.0;        // nor bend the curvature faster [1/(m s)]
+constexpr double kGuessSigma = 0.6;       // a guess uniformly wrong up to 60° has 35° RMS [rad]
+constexpr double kCurvatureSigma = 3.0;   // of each component before data: hinges of 0.3 m and more [1/m]
+constexpr double kFadeDirection = 0.05;   // direction sigma at which filter and adaptive law weigh the same (3°) [rad]
+constexpr double kFadeCurvature = 0.4;    // curvature sigma at which they do [1/m]
+constexpr double kDirectionFloor = 0.1;   // share of γ that stays: the force still speaks when the path is sure [-]
+constexpr double kCurvatureFloor = 0.02;  // share of Γ that stays [-]
+constexpr double kPullRate = 20.0;        // rate at which a sure filter draws direction and curvature to itself [1/s]
+constexpr double kMaxTurnRate = 1.5;      // hand-over and restarts turn the direction no faster [rad/s]
+constexpr double kMaxBendRate = 8.0;      // nor bend the curvature faster [1/(m s)]
 // Squared distance of the filters with and without orientation at which the grip pivots. The covariance of the difference is
 // C_pos - C_rigid, nearly singular in what orientation hardly improves; a fifth of C_pos on top keeps linearisation errors
 // out (420 simulated rigid grasps on 0.4 m, 0.8 m and slides: none beyond 40, nine in ten never beyond 12; without it 51).
 constexpr double kGripLimit = 40.0;
 constexpr double kGripMargin = 0.2;
-constexpr double kStiffnessDoubt = 0.5;     // K_c known to a factor of two: so much of f/K_c is error [-]
-constexpr double kTurnSure = 2.0;           // |k| over its sigma from which its direction is an axis [-]
+constexpr double kStiffnessDoubt = 0.5;  // K_c known to a factor of two: so much of f/K_c is error [-]
+constexpr double kTurnSure = 2.0;        // |k| over its sigma from which its direction is an axis [-]
 
 bool positive(double value) { return std::isfinite(value) && value > 0.0; }
 bool not_negative(double value) { return std::isfinite(value) && value >= 0.0; }
@@ -67,7 +67,8 @@ void EstimatorConfig::validate() const {
 }
 
 struct MechanismEstimator::Impl {
-  explicit Impl(const EstimatorConfig& c) : config(c), rigid_path(filter_config(c, true)), free_path(filter_config(c, false)) {}
+  explicit Impl(const EstimatorConfig& c)
+      : config(c), rigid_path(filter_config(c, true)), free_path(filter_config(c, false)) {}
 
   EstimatorConfig config;
   PathFilter rigid_path;  // with orientation
@@ -137,7 +138,8 @@ MechanismType MechanismEstimator::Impl::type_of(const PathFilter& filter) const 
   return decide_type(out.kap, C, {config.slide_curvature, config.hinge_curvature, config.type_threshold});
 }
 
-// A decision stands until the opposite is decided; orientation alone may not decide for a slide, for a pivoting grip looks so.
+// A decision stands until the opposite is decided; orientation alone may not decide for a slide, for a pivoting grip looks
+// so.
 void MechanismEstimator::Impl::decide() {
   MechanismType type = type_of(path());
   if (type == MechanismType::Slide && estimate.rigid_grasp && type_of(free_path) != MechanismType::Slide) {
@@ -146,9 +148,7 @@ void MechanismEstimator::Impl::decide() {
   if (type != MechanismType::Unknown) estimate.type = type;
 }
 
-void MechanismEstimator::Impl::choose_sign() {
-  sign = path().output().F.col(0).dot(law.x) < 0.0 ? -1.0 : 1.0;
-}
+void MechanismEstimator::Impl::choose_sign() { sign = path().output().F.col(0).dot(law.x) < 0.0 ? -1.0 : 1.0; }
 
 void MechanismEstimator::Impl::follow_law(const EstimatorInput& input, double direction_share, double curvature_share) {
   const double speed = law.x.dot(input.velocity);
@@ -220,8 +220,8 @@ void MechanismEstimator::Impl::publish_angle(const Matrix3d& rotation) {
   if (estimate.rigid_grasp && axis_known) {
     const PoseNoise& n = config.noise;
     estimate.angle = log_so3(rotation * start.linear().transpose()).dot(estimate.curvature) / kappa;
-    estimate.angle_sigma = std::sqrt(n.rotation_white * n.rotation_white + 2.0 * n.rotation_correlated * n.rotation_correlated +
-                                     n.rotation_walk * travel);
+    estimate.angle_sigma = std::sqrt(n.rotation_white * n.rotation_white +
+                                     2.0 * n.rotation_correlated * n.rotation_correlated + n.rotation_walk * travel);
     return;
   }
   const double along = kappa * config.noise.position_correlated;
@@ -248,7 +248,8 @@ void MechanismEstimator::reset(const Pose& hand, const Vector3d& direction_guess
   Impl& m = *impl_;
   const double norm = direction_guess.norm();
   m.law.x = std::isfinite(norm) && norm > 1e-9 ? Vector3d(direction_guess / norm) : Vector3d::UnitX();
-  m.law.k = curvature_guess.allFinite() ? Vector3d(curvature_guess - m.law.x * m.law.x.dot(curvature_guess)) : Vector3d::Zero();
+  m.law.k =
+      curvature_guess.allFinite() ? Vector3d(curvature_guess - m.law.x * m.law.x.dot(curvature_guess)) : Vector3d::Zero();
   m.start = hand.matrix().allFinite() ? hand : Pose::Identity();
   m.rigid_path.reset();
   m.free_path.reset();

@@ -17,17 +17,17 @@ constexpr double kBinLimit[2] = {18.4, 25.7};
 constexpr double kWindowLimit[2] = {52.0, 96.0};
 // Tail of 1e-4 of χ² with 4 degrees of freedom: a fresh fit disagrees in direction or curvature.
 constexpr double kVerifyLimit = 23.5;
-constexpr double kRestartTurn = 0.6;      // a fresh fit this far off replaces the estimate at once (35°) [rad]
-constexpr int kStartBins = 4;             // least bins of the first fit
-constexpr int kVerifyBins = 5;            // least bins of a fresh fit after an alarm
-constexpr int kOutliersInRow = 3;         // the third outlying bin in a row is an alarm
-constexpr int kRejectedInRow = 3;         // at most so many samples are left out in a row
-constexpr double kRejectSigma = 6.0;      // a sample further off the curve is left out
-constexpr double kNoisePrior = 20.0;      // ν0: rows of prior data that say "the stated noise is right"
-constexpr double kNoiseFloor = 0.1;       // least noise scale
-constexpr double kNoiseCap = 9.0;         // NIS per row beyond which a bin says nothing about the noise
-constexpr int kScaleSettled = 6;          // bins before one prediction error can alarm while the scale is learnt
-constexpr int kWindowSettled = 16;        // bins before the slow sum can alarm while the scale is learnt
+constexpr double kRestartTurn = 0.6;  // a fresh fit this far off replaces the estimate at once (35°) [rad]
+constexpr int kStartBins = 4;         // least bins of the first fit
+constexpr int kVerifyBins = 5;        // least bins of a fresh fit after an alarm
+constexpr int kOutliersInRow = 3;     // the third outlying bin in a row is an alarm
+constexpr int kRejectedInRow = 3;     // at most so many samples are left out in a row
+constexpr double kRejectSigma = 6.0;  // a sample further off the curve is left out
+constexpr double kNoisePrior = 20.0;  // ν0: rows of prior data that say "the stated noise is right"
+constexpr double kNoiseFloor = 0.1;   // least noise scale
+constexpr double kNoiseCap = 9.0;     // NIS per row beyond which a bin says nothing about the noise
+constexpr int kScaleSettled = 6;      // bins before one prediction error can alarm while the scale is learnt
+constexpr int kWindowSettled = 16;    // bins before the slow sum can alarm while the scale is learnt
 // What an alarm re-opens: a slip of 3 cm and 0.3 rad; a slip by δ turns x by 1.5 δ k and bends k by 1.5 δ k² (δ = 1 cm).
 constexpr double kSlipOffset = 0.03;
 constexpr double kSlipTurn = 0.3;
@@ -69,7 +69,8 @@ void PathFilter::reset() noexcept {
   state_ = PathState();
   current_ = OpenBin();
   started_ = verifying_ = alarm_again_ = false;
-  recent_count_ = rejected_ = bin_count_ = previous_count_ = steps_ = window_count_ = pending_ = alarms_ = disagreements_ = 0;
+  recent_count_ = rejected_ = bin_count_ = previous_count_ = steps_ = window_count_ = pending_ = alarms_ = disagreements_ =
+      0;
   noise_scale_ = 1.0;
   noise_sum_ = noise_rows_ = kNoisePrior;
   last_ = PathCorrection();
@@ -173,7 +174,8 @@ PathEvent PathFilter::take_bin(const PathBin& bin) noexcept {
 
 PathEvent PathFilter::try_start(const PathBin& bin) noexcept {
   push_bin(bin);
-  if (bin_count_ < kStartBins || (bin.position - bins_.front().position).norm() < start_length()) return PathEvent::BinClosed;
+  if (bin_count_ < kStartBins || (bin.position - bins_.front().position).norm() < start_length())
+    return PathEvent::BinClosed;
   PathState fitted;
   const std::span<const PathBin> bins(bins_.data(), static_cast<std::size_t>(bin_count_));
   if (!fit_path(bins, {config_.noise, config_.use_rotation, config_.curvature_prior}, fitted)) return PathEvent::BinClosed;

@@ -9,12 +9,12 @@
 namespace ajar {
 namespace {
 
-constexpr int kMaxIterations = 15;     // four to eight are usual
-constexpr double kConverged = 1e-7;    // largest step that ends the iteration [m, rad, 1/m]
-constexpr double kMaxTurn = 0.5;       // largest turn of x per iteration [rad]
-constexpr double kMaxBend = 2.0;       // largest change of curvature per iteration [1/m]
-constexpr double kMaxCurvature = 12.0; // r = 8 cm: tighter than any handle's path [1/m]
-constexpr double kMaxArcStep = 0.1;    // largest change of an arc position per Newton step [m]
+constexpr int kMaxIterations = 15;      // four to eight are usual
+constexpr double kConverged = 1e-7;     // largest step that ends the iteration [m, rad, 1/m]
+constexpr double kMaxTurn = 0.5;        // largest turn of x per iteration [rad]
+constexpr double kMaxBend = 2.0;        // largest change of curvature per iteration [1/m]
+constexpr double kMaxCurvature = 12.0;  // r = 8 cm: tighter than any handle's path [1/m]
+constexpr double kMaxArcStep = 0.1;     // largest change of an arc position per Newton step [m]
 
 constexpr int kMax = kMaxFitBins;
 using Vector9d = Eigen::Matrix<double, 9, 1>;
@@ -32,9 +32,9 @@ struct Rows {
 
 // What the bins contribute to the noise: counts, own correlated error, base travel up to the newest bin.
 struct BinNoise {
-  BinVector white;    // 1 / n
-  BinVector extra;    // standard deviation of the correlated position error
-  BinVector travel;   // base travel between the bin and the newest one
+  BinVector white;   // 1 / n
+  BinVector extra;   // standard deviation of the correlated position error
+  BinVector travel;  // base travel between the bin and the newest one
 };
 
 struct Problem {
@@ -72,7 +72,8 @@ void start_from_chord(Problem& problem) {
 void find_arcs(Problem& problem) {
   for (Eigen::Index i = 0; i < problem.s.size(); ++i) {
     const CurvePoint point = curve_at(problem.anchor.kap, problem.s[i]);
-    const Vector3d v = problem.anchor.F.transpose() * (problem.bins[static_cast<std::size_t>(i)].position - problem.anchor.p);
+    const Vector3d v =
+        problem.anchor.F.transpose() * (problem.bins[static_cast<std::size_t>(i)].position - problem.anchor.p);
     problem.s[i] += std::clamp(point.t.dot(v - point.q), -kMaxArcStep, kMaxArcStep);
   }
 }

@@ -21,8 +21,8 @@ void check(std::initializer_list<Range> ranges) {
   for (const Range& range : ranges) {
     if (!(range.value >= range.low && range.value <= range.high)) {
       std::ostringstream message;
-      message << "interaction." << range.key << " = " << range.value << ": must be in [" << range.low << ", "
-              << range.high << ']';
+      message << "interaction." << range.key << " = " << range.value << ": must be in [" << range.low << ", " << range.high
+              << ']';
       throw ConfigError(message.str());
     }
   }
@@ -73,8 +73,7 @@ ForceLaw::ForceLaw(const ForceLawConfig& config, double period, double dead_time
 
 void ForceLaw::reset() noexcept { integral_.setZero(); }
 
-ForceCorrection ForceLaw::step(const HandWrench& wrench, const Vector3d& direction,
-                               const Vector3d& free_axis) noexcept {
+ForceCorrection ForceLaw::step(const HandWrench& wrench, const Vector3d& direction, const Vector3d& free_axis) noexcept {
   const double length = direction.norm();
   if (!wrench.force.allFinite() || !wrench.torque.allFinite() || !free_axis.allFinite() || !std::isfinite(length) ||
       length < 0.5) {
@@ -86,8 +85,7 @@ ForceCorrection ForceLaw::step(const HandWrench& wrench, const Vector3d& directi
   out.pull_force = x.dot(wrench.force);
   const Vector3d normal = P * wrench.force;
   out.normal_force = normal.norm();
-  const Vector3d error =
-      normal * (std::max(0.0, out.normal_force - config_.deadband) / std::max(out.normal_force, kTiny));
+  const Vector3d error = normal * (std::max(0.0, out.normal_force - config_.deadband) / std::max(out.normal_force, kTiny));
   integral_ = P * integral_;
   const Vector3d wanted = gain_ * (error + config_.integral_ratio * integral_);
   out.velocity = limited(wanted, config_.correction_max);

@@ -75,8 +75,8 @@ double SpeedLaw::step(const SpeedInput& input) noexcept {
     running_force_ += share * (input.pull_force - running_force_);
     moved_ = true;
   }
-  speed_ += std::clamp(wanted_speed(input, config_) - speed_, -config_.deceleration * period_,
-                       config_.acceleration * period_);
+  speed_ +=
+      std::clamp(wanted_speed(input, config_) - speed_, -config_.deceleration * period_, config_.acceleration * period_);
   // Tangential give: an end stop or a seal is met with a backing hand before the slower speed law answers.
   const double limit = std::min(config_.force_limit, std::max(input.force_cap, 1.0));
   double give_from = limit - std::min(config_.give_reserve, 0.5 * kCapShare * limit);

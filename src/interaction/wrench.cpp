@@ -34,8 +34,7 @@ HandWrench tool_reading(const Matrix3d& R_WF, double tool_mass, const Vector3d& 
   return reading;
 }
 
-WrenchEstimator::WrenchEstimator(const RobotModel& model)
-    : tool_mass_(model.tool_mass()), tool_com_(model.tool_com()) {}
+WrenchEstimator::WrenchEstimator(const RobotModel& model) : tool_mass_(model.tool_mass()), tool_com_(model.tool_com()) {}
 
 void WrenchEstimator::reset() noexcept {
   force_bias_.setZero();

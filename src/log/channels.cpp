@@ -9,7 +9,8 @@ namespace ajar {
 
 std::size_t ChannelList::add(const std::string& name, const std::string& unit, ChannelKind kind) {
   if (name.empty() || name.find_first_of(",\"\r\n") != std::string::npos) {
-    throw ConfigError("log channel: name '" + name + "' is not usable; allowed: any text without comma, quote or line break");
+    throw ConfigError("log channel: name '" + name +
+                      "' is not usable; allowed: any text without comma, quote or line break");
   }
   const bool taken = std::any_of(infos_.begin(), infos_.end(), [&](const ChannelInfo& info) { return info.name == name; });
   if (taken) throw ConfigError("log channel: name '" + name + "' is taken; names must differ");

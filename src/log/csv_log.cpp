@@ -82,7 +82,8 @@ struct CsvLog::Impl {
   }
 
   void write_row(std::uint64_t number) {
-    const LogRow::Cell* cells = &ring[static_cast<std::size_t>(number % static_cast<std::uint64_t>(config.ring_rows)) * columns];
+    const LogRow::Cell* cells =
+        &ring[static_cast<std::size_t>(number % static_cast<std::uint64_t>(config.ring_rows)) * columns];
     for (std::size_t i = 0; i < columns; ++i) {
       if (i > 0) buffer.push_back(',');
       append_cell(buffer, cells[i], infos[i].kind);

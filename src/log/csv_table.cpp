@@ -90,7 +90,8 @@ std::string csv_cell(std::string_view text) {
 
 CsvTable read_csv(const std::filesystem::path& file, const CsvColumns& wanted) {
   std::ifstream stream(file, std::ios::binary);
-  if (!stream || std::filesystem::is_directory(file)) throw IoError("cannot read '" + file.string() + "'; a CSV file is needed");
+  if (!stream || std::filesystem::is_directory(file))
+    throw IoError("cannot read '" + file.string() + "'; a CSV file is needed");
   std::string line;
   if (!std::getline(stream, line) || line.empty() || stream.eof()) {
     throw IoError("'" + file.string() + "' is empty; line 1 must be a complete header row");
@@ -109,8 +110,8 @@ CsvTable read_csv(const std::filesystem::path& file, const CsvColumns& wanted) {
     if (!line.empty() && line.back() == '\r') line.pop_back();
     split(line, cells, owned);
     if (cells.size() != table.names.size()) {
-      throw IoError(file.string() + ":" + std::to_string(number) + ": " + std::to_string(cells.size()) + " cells; the header has " +
-                    std::to_string(table.names.size()));
+      throw IoError(file.string() + ":" + std::to_string(number) + ": " + std::to_string(cells.size()) +
+                    " cells; the header has " + std::to_string(table.names.size()));
     }
     for (const auto& target : numbers) target.values->push_back(parse_number(cells[target.column]));
     for (const auto& target : texts) target.values->emplace_back(cells[target.column]);

@@ -28,11 +28,11 @@ constexpr double kWallThickness = 0.10;
 constexpr double kLeafBottom = 0.02;
 constexpr double kLeafTop = 2.0;
 constexpr double kWallHeight = 2.1;
-constexpr double kFlapHalfWidth = 0.28;     // 60 cm built-in oven less its gaps
-constexpr double kBodyHalfWidth = 0.3;      // 60 cm cabinet
+constexpr double kFlapHalfWidth = 0.28;  // 60 cm built-in oven less its gaps
+constexpr double kBodyHalfWidth = 0.3;   // 60 cm cabinet
 constexpr double kBodyDepth = 0.6;
-constexpr double kBodyGap = 0.01;           // leaf to cabinet
-constexpr double kBodyHeight = 0.9;         // kitchen worktop
+constexpr double kBodyGap = 0.01;    // leaf to cabinet
+constexpr double kBodyHeight = 0.9;  // kitchen worktop
 // Tilts up to a few degrees are doors that hang askew: they keep their full height.
 constexpr double kAskew = 0.1;
 // Within this of horizontal the side says above or below, not left or right [rad].
@@ -129,8 +129,7 @@ void add_door_walls(const MechanismConfig& config, const Layout& layout, Mechani
       Vector2d(h * (config.radius + kWallFromAxis), h * (config.radius + kWallFromAxis + kWallWidth)),
       Vector2d(-h * kWallFromHandle, -h * (kWallFromHandle + kWallWidth))};
   for (const Vector2d& span : spans) {
-    out.world.push_back(box_between(layout, {span.minCoeff(), 0.0, 0.0},
-                                    {span.maxCoeff(), kWallThickness, kWallHeight}));
+    out.world.push_back(box_between(layout, {span.minCoeff(), 0.0, 0.0}, {span.maxCoeff(), kWallThickness, kWallHeight}));
   }
 }
 
@@ -150,8 +149,8 @@ void add_flap(const MechanismConfig& config, const Layout& layout, const HingeFr
   const double half_width = 0.5 * (config.radius + kLeafBeyondHandle - kAxisGap);
   Box leaf;
   leaf.pose.linear() = R_LB;
-  leaf.pose.translation() = layout.handle_foot + frame.to_axis * (half_width - kLeafBeyondHandle) +
-                            Vector3d(0.0, 0.5 * kLeafThickness, 0.0);
+  leaf.pose.translation() =
+      layout.handle_foot + frame.to_axis * (half_width - kLeafBeyondHandle) + Vector3d(0.0, 0.5 * kLeafThickness, 0.0);
   leaf.half_extents = {half_width, 0.5 * kLeafThickness, kFlapHalfWidth};
   leaf.pose = layout.X_WL * leaf.pose;
   out.leaf.push_back(leaf);
@@ -214,7 +213,8 @@ void build_slide(const MechanismConfig& config, const Layout& layout, Mechanism&
     const double w = 0.5 * config.front_width;
     const double half = 0.5 * config.front_height;
     out.leaf.push_back(box_between(layout, {-w, 0.0, z - half}, {w, kFrontThickness, z + half}));
-    add_body(config, layout, {std::max(kBodyHalfWidth, w + 0.02), kFrontThickness, std::max(kBodyHeight, z + half + 0.02)}, out);
+    add_body(config, layout, {std::max(kBodyHalfWidth, w + 0.02), kFrontThickness, std::max(kBodyHeight, z + half + 0.02)},
+             out);
   }
   out.com = out.leaf.front().pose.translation();
   out.inertia = config.inertia.value_or(config.mass);

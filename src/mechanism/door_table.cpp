@@ -10,10 +10,10 @@
 namespace ajar {
 namespace {
 
-constexpr double kWallWidth = 1.6;     // modelled to either side of an opening, beyond it nothing reaches [m]
-constexpr double kWallHeight = 2.1;    // [m]
-constexpr double kMinThickness = 0.01; // a chain-link gate has a leaf of wires; its frame has this [m]
-constexpr double kPostHeight = 0.1;    // a gate's posts stand above its leaf by this [m]
+constexpr double kWallWidth = 1.6;      // modelled to either side of an opening, beyond it nothing reaches [m]
+constexpr double kWallHeight = 2.1;     // [m]
+constexpr double kMinThickness = 0.01;  // a chain-link gate has a leaf of wires; its frame has this [m]
+constexpr double kPostHeight = 0.1;     // a gate's posts stand above its leaf by this [m]
 
 // What stands in `handle_type`: how it is held, how its bar runs and its length where the table has none [m].
 struct HandleWord {

@@ -7,9 +7,9 @@ namespace ajar {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
-constexpr double kRoom = 2.0;           // mechanisms stand within ± this of the origin [m]
-constexpr double kLyingBars = 0.35;     // share of horizontal bars
-constexpr double kBreakaway = 1.5;      // largest static over sliding friction of hinges and runners [-]
+constexpr double kRoom = 2.0;        // mechanisms stand within ± this of the origin [m]
+constexpr double kLyingBars = 0.35;  // share of horizontal bars
+constexpr double kBreakaway = 1.5;   // largest static over sliding friction of hinges and runners [-]
 constexpr int kCheckedOpenings = 20;
 
 MechanismConfig place(Random& random) {

@@ -46,8 +46,8 @@ Table::Table(const std::filesystem::path& file) : file_(file.string()) {
       continue;
     }
     if (row.cells.size() != header_.size()) {
-      fail(number, std::to_string(row.cells.size()) + " columns: allowed: " + std::to_string(header_.size()) +
-                       " as in the header");
+      fail(number,
+           std::to_string(row.cells.size()) + " columns: allowed: " + std::to_string(header_.size()) + " as in the header");
     }
     rows_.push_back(std::move(row));
   }
@@ -99,8 +99,6 @@ Vector3d RowReader::vector(const std::string& prefix) const {
   return {number(prefix + "_x"), number(prefix + "_y"), number(prefix + "_z")};
 }
 
-void RowReader::fail(std::string_view column, std::string_view rule) const {
-  table_.fail(row_, column, text(column), rule);
-}
+void RowReader::fail(std::string_view column, std::string_view rule) const { table_.fail(row_, column, text(column), rule); }
 
 }  // namespace ajar

@@ -5,10 +5,10 @@
 namespace ajar {
 namespace {
 
-constexpr double kSpeedFilter = 0.1;    // low-pass of the measured speed [s]
-constexpr double kHeldFactor = 0.1;     // the controller lets nearly nothing of the wanted motion through
-constexpr double kPullingShare = 0.6;   // of the allowed force; the speed law fades out over the rest
-constexpr double kLargestDoubt = 0.1;   // an angle less certain than this does not delay the goal further [rad]
+constexpr double kSpeedFilter = 0.1;   // low-pass of the measured speed [s]
+constexpr double kHeldFactor = 0.1;    // the controller lets nearly nothing of the wanted motion through
+constexpr double kPullingShare = 0.6;  // of the allowed force; the speed law fades out over the rest
+constexpr double kLargestDoubt = 0.1;  // an angle less certain than this does not delay the goal further [rad]
 
 }  // namespace
 
@@ -38,7 +38,8 @@ EndDetector::Verdict EndDetector::step(const EndInput& in, const MechanismEstima
     if (too_heavy && at_limit && still_ > config_.blocked_time) return Verdict::TooHeavy;
   }
   const bool pulls = in.pull_force > kPullingShare * std::min(in.force_cap, force_limit_);
-  if (arc < config_.blocked_arc && still_ > (pulls ? config_.blocked_pull_time : config_.blocked_time)) return Verdict::Blocked;
+  if (arc < config_.blocked_arc && still_ > (pulls ? config_.blocked_pull_time : config_.blocked_time))
+    return Verdict::Blocked;
   if (still_ > config_.stalled_time) {
     if (held_ > 0.5 * config_.stalled_time && in.binding == BindingLimit::Clearance) return Verdict::ClearanceStop;
     return at_limit ? Verdict::TooHeavy : Verdict::Stalled;

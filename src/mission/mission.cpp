@@ -80,11 +80,13 @@ void MissionConfig::validate() const {
     throw ConfigError(fmt::format("control.controller: {}: must be qp or thesis", controller));
   }
   if (limits.force >= limits.abort_force) {
-    throw ConfigError(fmt::format("limits.force_N: {}: must be below limits.abort_force_N = {}", limits.force, limits.abort_force));
+    throw ConfigError(
+        fmt::format("limits.force_N: {}: must be below limits.abort_force_N = {}", limits.force, limits.abort_force));
   }
 }
 
-Mission::Mission(const RobotModel& model, const MissionConfig& config, std::optional<Vector3d> direction_guess, std::uint64_t seed) {
+Mission::Mission(const RobotModel& model, const MissionConfig& config, std::optional<Vector3d> direction_guess,
+                 std::uint64_t seed) {
   config.validate();
   impl_ = std::make_unique<Impl>(model, config, direction_guess, seed);
 }

@@ -8,19 +8,20 @@
 namespace ajar {
 namespace {
 
-// Base and speed come in while the direction becomes sure and the arm has covered the first centimetres itself. (#confidence)
-constexpr double kUnsure = 0.25;       // direction sigma without any confidence [rad]
-constexpr double kSure = 0.05;         // direction sigma with full confidence [rad]
-constexpr double kArcBegin = 0.015;    // [m]
-constexpr double kArcFull = 0.06;      // [m]
+// Base and speed come in while the direction becomes sure and the arm has covered the first centimetres itself.
+// (#confidence)
+constexpr double kUnsure = 0.25;     // direction sigma without any confidence [rad]
+constexpr double kSure = 0.05;       // direction sigma with full confidence [rad]
+constexpr double kArcBegin = 0.015;  // [m]
+constexpr double kArcFull = 0.06;    // [m]
 // Where an unknown end stop may come, the hand is slow: the blow grows with speed. (#speed-law)
 constexpr double kStopPossibleAngle = 1.36;  // first end stops of hinged doors: 80 degrees, less 2 [rad]
 constexpr double kStopPossibleArc = 0.28;    // shortest drawers: 0.3 m, less what the slow-down lags [m]
 constexpr double kSlowSpeed = 0.08;          // [m/s]
 constexpr double kLeastCurvature = 0.2;      // a hinge of more than 5 m radius is driven as a slide [1/m]
 // A flap's hand must not follow the leaf all the way round: it would end up under the bar.
-constexpr double kFlapTurn = 0.6;      // [rad]
-constexpr double kPivotCentring = 0.3; // weak turn of a hand about a free bar towards where it should be [1/s]
+constexpr double kFlapTurn = 0.6;       // [rad]
+constexpr double kPivotCentring = 0.3;  // weak turn of a hand about a free bar towards where it should be [1/s]
 
 }  // namespace
 
@@ -84,10 +85,15 @@ EndDetector::Verdict Opener::step(const RobotState& state, const Kinematics& kin
   // Feel and learn.
   const bool pivots = !estimator_.estimate().rigid_grasp && bar_in_hand_.squaredNorm() > 0.5;
   const Vector3d free_axis = pivots ? Vector3d(R * bar_in_hand_) : Vector3d(Vector3d::Zero());
-  // Torque is nulled about every axis: a grip that pivots shows its friction only, one falsely taken to pivot is saved by it.
+  // Torque is nulled about every axis: a grip that pivots shows its friction only, one falsely taken to pivot is saved by
+  // it.
   const ForceCorrection correction = force_law_.step(wrench, estimator_.estimate().direction, Vector3d::Zero());
-  const EstimatorInput heard{.dt = dt, .hand = kin.X_WE, .velocity = V.head<3>(), .force = wrench.force,
-                             .normal_correction = correction.velocity, .base_travel = std::abs(state.base_v) * dt};
+  const EstimatorInput heard{.dt = dt,
+                             .hand = kin.X_WE,
+                             .velocity = V.head<3>(),
+                             .force = wrench.force,
+                             .normal_correction = correction.velocity,
+                             .base_travel = std::abs(state.base_v) * dt};
   (void)estimator_.update(heard);  // the estimate itself says how sure it is
   const MechanismEstimate& estimate = estimator_.estimate();
   const Vector3d& x = estimate.direction;
@@ -97,11 +103,21 @@ EndDetector::Verdict Opener::step(const RobotState& state, const Kinematics& kin
 
   // How fast, and where the base should be.
   const double sure = confidence(estimate);
-  const double speed = speed_law_.step({.confidence = sure, .base_lag = base_lag_, .pull_force = correction.pull_force,
-                                        .normal_force = correction.normal_force, .measured_speed = along,
-                                        .speed_cap = speed_cap(estimate), .force_cap = force_cap(estimate)});
-  record.base = base_law_.step({.dt = dt, .base = state.base, .hand = kin.X_WE.translation(), .direction = x, .curvature = k,
-                                .wanted_speed = speed, .measured_speed = along, .confidence = sure});
+  const double speed = speed_law_.step({.confidence = sure,
+                                        .base_lag = base_lag_,
+                                        .pull_force = correction.pull_force,
+                                        .normal_force = correction.normal_force,
+                                        .measured_speed = along,
+                                        .speed_cap = speed_cap(estimate),
+                                        .force_cap = force_cap(estimate)});
+  record.base = base_law_.step({.dt = dt,
+                                .base = state.base,
+                                .hand = kin.X_WE.translation(),
+                                .direction = x,
+                                .curvature = k,
+                                .wanted_speed = speed,
+                                .measured_speed = along,
+                                .confidence = sure});
   base_lag_ = record.base.lag;
 
   // What is near.
@@ -120,8 +136,8 @@ EndDetector::Verdict Opener::step(const RobotState& state, const Kinematics& kin
     const double leaf_turn = turned_.dot(free_axis);
     const double wanted = upright ? leaf_turn : std::clamp(-0.5 * leaf_turn, -kFlapTurn, kFlapTurn);
     problem.free_axis = free_axis;
-    problem.free_axis_rate = kPivotCentring * (wanted - log_so3(R * R_grasp_.transpose()).dot(free_axis)) -
-                             correction.turn.dot(free_axis);
+    problem.free_axis_rate =
+        kPivotCentring * (wanted - log_so3(R * R_grasp_.transpose()).dot(free_axis)) - correction.turn.dot(free_axis);
   }
   problem.base = record.base.twist;
   problem.base_fixed = sure <= 0.0;
@@ -136,8 +152,12 @@ EndDetector::Verdict Opener::step(const RobotState& state, const Kinematics& kin
   record.wanted_speed = speed;
   record.reference = problem.tangential + problem.correction;
   record.clearance_min = *std::min_element(clearances_.smallest.begin(), clearances_.smallest.end());
-  return ends_.step({.dt = dt, .speed = along, .wanted_speed = speed, .pull_force = correction.pull_force,
-                     .running_force = speed_law_.running_force(), .force_cap = force_cap(estimate),
+  return ends_.step({.dt = dt,
+                     .speed = along,
+                     .wanted_speed = speed,
+                     .pull_force = correction.pull_force,
+                     .running_force = speed_law_.running_force(),
+                     .force_cap = force_cap(estimate),
                      .speed_factor = record.solution.speed_factor,
                      .binding = record.solution.binding},
                     estimate);

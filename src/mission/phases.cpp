@@ -10,25 +10,25 @@
 namespace ajar {
 namespace {
 
-constexpr double kLookTime = 0.1;        // sights averaged before a choice [s]
-constexpr double kBlindTime = 2.0;       // no sight for this long: there is no handle to see [s]
-constexpr double kSettleTime = 0.4;      // four lags of the base [s]
-constexpr double kApproachTime = 60.0;   // a drive of a few metres takes a third of this [s]
-constexpr double kReachTime = 30.0;      // [s]
-constexpr double kZeroTime = 0.5;        // the mean of 250 samples has a noise of 0.03 N [s]
-constexpr double kQuietTime = 0.15;      // ten servo lags before zeroing [s]
-constexpr double kHandSpeed = 0.06;      // towards and away from the handle [m/s]
-constexpr double kHandGain = 2.5;        // [1/s]
-constexpr double kAtHandle = 2e-3;       // [m]
-constexpr double kNearHandle = 0.015;    // the fingers still close round the bar [m]
-constexpr double kTouchForce = 12.0;     // the hand has met something [N]
-constexpr double kAdvanceTime = 6.0;     // [s]
-constexpr double kFingerTime = 2.5;      // longest closing: stroke over the slowest finger speed [s]
-constexpr double kFingersStill = 0.15;   // [s]
-constexpr double kHeldOpening = 0.003;   // fingers farther apart than this hold something [m]
+constexpr double kLookTime = 0.1;       // sights averaged before a choice [s]
+constexpr double kBlindTime = 2.0;      // no sight for this long: there is no handle to see [s]
+constexpr double kSettleTime = 0.4;     // four lags of the base [s]
+constexpr double kApproachTime = 60.0;  // a drive of a few metres takes a third of this [s]
+constexpr double kReachTime = 30.0;     // [s]
+constexpr double kZeroTime = 0.5;       // the mean of 250 samples has a noise of 0.03 N [s]
+constexpr double kQuietTime = 0.15;     // ten servo lags before zeroing [s]
+constexpr double kHandSpeed = 0.06;     // towards and away from the handle [m/s]
+constexpr double kHandGain = 2.5;       // [1/s]
+constexpr double kAtHandle = 2e-3;      // [m]
+constexpr double kNearHandle = 0.015;   // the fingers still close round the bar [m]
+constexpr double kTouchForce = 12.0;    // the hand has met something [N]
+constexpr double kAdvanceTime = 6.0;    // [s]
+constexpr double kFingerTime = 2.5;     // longest closing: stroke over the slowest finger speed [s]
+constexpr double kFingersStill = 0.15;  // [s]
+constexpr double kHeldOpening = 0.003;  // fingers farther apart than this hold something [m]
 constexpr int kMaxMisses = 3;
 constexpr int kMaxProbes = 3;
-constexpr double kProbeReserve = 8.0;     // over the force that moved it in probing [N]
+constexpr double kProbeReserve = 8.0;    // over the force that moved it in probing [N]
 constexpr double kRelease = 1e-3;        // gives way to what force is left: half of α_f [m/(N s)]
 constexpr double kReleaseTurn = 0.05;    // [rad/(N m s)]
 constexpr double kRelaxTime = 0.3;       // standstill before the fingers open [s]
@@ -51,9 +51,9 @@ void Mission::Impl::choose(const RobotState& state) {
   if (time_in_phase < kLookTime) return;
   handle = sights.belief();
   if (handle.thickness <= 0.0 || handle.thickness > model.gripper_stroke()) {
-    detail = handle.thickness <= 0.0
-                 ? std::string("nothing to grip: flush with the leaf")
-                 : fmt::format("nothing to grip: {:.3f} m thick, the fingers open to {:.3f} m", handle.thickness, model.gripper_stroke());
+    detail = handle.thickness <= 0.0 ? std::string("nothing to grip: flush with the leaf")
+                                     : fmt::format("nothing to grip: {:.3f} m thick, the fingers open to {:.3f} m",
+                                                   handle.thickness, model.gripper_stroke());
     process(Event::GaveUp, EndReason::NothingToGrip);
     return;
   }
@@ -195,6 +195,7 @@ void Mission::Impl::close_fingers(const RobotState& state) noexcept {
   if (state.gripper_opening > kHeldOpening) {
     direction = guess.value_or(handle.normal);
     opener.start(state, record.kinematics, handle, direction);
+    record.estimate = opener.estimate();
     process(guess ? Event::Held : Event::HeldBlind);
     return;
   }
@@ -210,6 +211,7 @@ void Mission::Impl::probe(const RobotState& state) noexcept {
   solve_hand_twist(state, prober.step(record.kinematics.X_WE, record.wrench, config.period));
   if (prober.status() == Prober::Status::Found) {
     opener.redirect(record.kinematics, prober.direction(), prober.force() + kProbeReserve);
+    record.estimate = opener.estimate();
     process(Event::Found);
   } else if (prober.status() == Prober::Status::Nothing) {
     process(Event::Ended, EndReason::Locked);

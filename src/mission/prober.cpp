@@ -5,15 +5,15 @@
 namespace ajar {
 namespace {
 
-constexpr double kForceBand = 8.0;       // the push slows down over this much force below its level [N]
-constexpr double kSideGive = 2e-3;       // lets the hand follow the mechanism sideways, α_f of the force law [m/(N s)]
-constexpr double kTorqueGive = 0.1;      // α_τ of the force law [rad/(N m s)]
-constexpr double kReturnGain = 3.0;      // [1/s]
-constexpr double kReturnGive = 1e-3;     // [m/(N s)]
-constexpr double kReturned = 2e-3;       // [m]
-constexpr double kStill = 2e-3;          // [m/s]
-constexpr double kSpeedFilter = 0.03;    // encoder steps between two ticks are no motion [s]
-constexpr double kTrustMotion = 0.015;   // below this the measured direction is partly elastic: mix in the axis [m]
+constexpr double kForceBand = 8.0;      // the push slows down over this much force below its level [N]
+constexpr double kSideGive = 2e-3;      // lets the hand follow the mechanism sideways, α_f of the force law [m/(N s)]
+constexpr double kTorqueGive = 0.1;     // α_τ of the force law [rad/(N m s)]
+constexpr double kReturnGain = 3.0;     // [1/s]
+constexpr double kReturnGive = 1e-3;    // [m/(N s)]
+constexpr double kReturned = 2e-3;      // [m]
+constexpr double kStill = 2e-3;         // [m/s]
+constexpr double kSpeedFilter = 0.03;   // encoder steps between two ticks are no motion [s]
+constexpr double kTrustMotion = 0.015;  // below this the measured direction is partly elastic: mix in the axis [m]
 
 enum class Axis { Outward, Guess, Left, Right, Up, Down, Inward };
 
@@ -26,9 +26,9 @@ struct Push {
 constexpr std::array kPushes = {
     Push{Axis::Outward, 0}, Push{Axis::Guess, 0}, Push{Axis::Outward, 1}, Push{Axis::Guess, 1},  //
     Push{Axis::Left, 0},    Push{Axis::Right, 0}, Push{Axis::Up, 0},      Push{Axis::Down, 0},  Push{Axis::Inward, 0},
-    Push{Axis::Outward, 2}, Push{Axis::Guess, 2},                                               //
+    Push{Axis::Outward, 2}, Push{Axis::Guess, 2},  //
     Push{Axis::Left, 1},    Push{Axis::Right, 1}, Push{Axis::Up, 1},      Push{Axis::Down, 1},  Push{Axis::Inward, 1},
-    Push{Axis::Outward, 3}, Push{Axis::Guess, 3},                                               //
+    Push{Axis::Outward, 3}, Push{Axis::Guess, 3},  //
     Push{Axis::Left, 2},    Push{Axis::Right, 2}, Push{Axis::Up, 2},      Push{Axis::Down, 2},  Push{Axis::Inward, 2}};
 
 const Push& push_at(int push) noexcept {
@@ -103,7 +103,8 @@ Vector6d Prober::step(const Pose& hand, const HandWrench& wrench, double dt) noe
     return twist;
   }
   const double pull = along.dot(f);
-  twist.head<3>() = config_.speed * std::clamp((force() - pull) / kForceBand, -0.5, 1.0) * along - kSideGive * (f - pull * along);
+  twist.head<3>() =
+      config_.speed * std::clamp((force() - pull) / kForceBand, -0.5, 1.0) * along - kSideGive * (f - pull * along);
   const Vector3d net = moved - f / config_.stiffness;  // what elasticity cannot explain
   if (net.dot(along) > farthest_.dot(along)) {
     farthest_ = net;

@@ -8,13 +8,13 @@
 namespace ajar {
 namespace {
 
-constexpr double kFront = 0.02;        // the believed wall stands this far before the leaf's face: its error [m]
-constexpr double kWallThickness = 0.3;           // anything thicker than a base step between two ticks [m]
-constexpr double kLatchEdge = 0.09;              // the leaf goes on this far beyond the handle [m]
-constexpr double kHingeRoom = 0.05;              // leaf and frame meet here; no robot part fits between [m]
-constexpr double kRefineArc = 0.12;              // travel after which the fit beats the camera's normal [m]
-constexpr double kRefineRate = 0.02;             // low-pass of the normal per tick
-constexpr double kSurelyHinged = 0.7;            // curvature above which the hinge centre is well known [1/m]
+constexpr double kFront = 0.02;         // the believed wall stands this far before the leaf's face: its error [m]
+constexpr double kWallThickness = 0.3;  // anything thicker than a base step between two ticks [m]
+constexpr double kLatchEdge = 0.09;     // the leaf goes on this far beyond the handle [m]
+constexpr double kHingeRoom = 0.05;     // leaf and frame meet here; no robot part fits between [m]
+constexpr double kRefineArc = 0.12;     // travel after which the fit beats the camera's normal [m]
+constexpr double kRefineRate = 0.02;    // low-pass of the normal per tick
+constexpr double kSurelyHinged = 0.7;   // curvature above which the hinge centre is well known [1/m]
 
 // Axes (t to the right as the robot sees it, -n into the wall, up): right-handed for every horizontal n.
 Matrix3d leaf_axes(const Vector3d& normal) {

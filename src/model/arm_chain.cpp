@@ -1,10 +1,10 @@
 // The only source that sees Pinocchio.
 #include "arm_chain.hpp"
 
-#include <pinocchio/multibody.hpp>
 #include <pinocchio/algorithm/jacobian.hpp>
 #include <pinocchio/algorithm/joint-configuration.hpp>
 #include <pinocchio/algorithm/model.hpp>
+#include <pinocchio/multibody.hpp>
 #include <pinocchio/parsers/urdf.hpp>
 
 #include <algorithm>
@@ -62,10 +62,10 @@ void move_origin(pinocchio::Model& model, const pinocchio::SE3& X_RB) {
 struct ArmChain::Impl {
   pinocchio::Model model;
   pinocchio::Data data;
-  Eigen::VectorXd q;                                              // Pinocchio's configuration, shape (nq)
-  std::array<pinocchio::JointIndex, kMaxJoints> joints{};         // by our index
-  std::array<int, kMaxJoints> configuration{};                    // first entry of q
-  std::array<bool, kMaxJoints> continuous{};                      // stored as (cos, sin)
+  Eigen::VectorXd q;                                       // Pinocchio's configuration, shape (nq)
+  std::array<pinocchio::JointIndex, kMaxJoints> joints{};  // by our index
+  std::array<int, kMaxJoints> configuration{};             // first entry of q
+  std::array<bool, kMaxJoints> continuous{};               // stored as (cos, sin)
   pinocchio::FrameIndex hand = 0;
   pinocchio::FrameIndex sensor = 0;
 
@@ -87,7 +87,8 @@ ArmChain::ArmChain(const std::filesystem::path& urdf, const ArmChainNames& names
     const auto joint = impl_->model.getJointId(names.joints[i]);
     if (joint >= static_cast<pinocchio::JointIndex>(impl_->model.njoints) || impl_->model.nvs[joint] != 1 ||
         impl_->model.idx_vs[joint] != static_cast<int>(i)) {
-      throw ModelError(urdf.string() + ": joint " + names.joints[i] + ": not a revolute, continuous or prismatic joint in this place");
+      throw ModelError(urdf.string() + ": joint " + names.joints[i] +
+                       ": not a revolute, continuous or prismatic joint in this place");
     }
     impl_->joints[i] = joint;
     impl_->configuration[i] = impl_->model.idx_qs[joint];
@@ -123,6 +124,8 @@ void ArmChain::compute(const JointVector& q) noexcept {
   J_B_ = m.data.J;  // (6, n)
 }
 
-Pose ArmChain::joint(int index) const noexcept { return to_pose(impl_->data.oMi[impl_->joints[static_cast<std::size_t>(index)]]); }
+Pose ArmChain::joint(int index) const noexcept {
+  return to_pose(impl_->data.oMi[impl_->joints[static_cast<std::size_t>(index)]]);
+}
 
 }  // namespace ajar

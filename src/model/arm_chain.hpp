@@ -32,10 +32,10 @@ class ArmChain {
   /// Evaluates poses and Jacobian at q, shape (n). No allocation, no exception, bounded time.
   void compute(const JointVector& q) noexcept;
 
-  [[nodiscard]] const Pose& hand() const noexcept { return X_BE_; }               ///< Base frame
-  [[nodiscard]] const Pose& sensor() const noexcept { return X_BF_; }             ///< Base frame
-  [[nodiscard]] const SpatialJacobian& jacobian() const noexcept { return J_B_; } ///< Base frame
-  [[nodiscard]] Pose joint(int index) const noexcept;                             ///< Joint frame in the base frame
+  [[nodiscard]] const Pose& hand() const noexcept { return X_BE_; }                ///< Base frame
+  [[nodiscard]] const Pose& sensor() const noexcept { return X_BF_; }              ///< Base frame
+  [[nodiscard]] const SpatialJacobian& jacobian() const noexcept { return J_B_; }  ///< Base frame
+  [[nodiscard]] Pose joint(int index) const noexcept;                              ///< Joint frame in the base frame
 
  private:
   struct Impl;

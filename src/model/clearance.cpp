@@ -23,15 +23,15 @@ using PointJacobian = Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, kMaxInputs>
 // A collision body with both of Coal's shapes ready, of which `kind` says the one that is meant.
 struct Body {
   CollisionShape::Kind kind = CollisionShape::Kind::Capsule;
-  int shape = -1;                      // index in RobotModel::shapes(), -1 for an obstacle
-  int joint = -1;                      // arm joint that moves it, -1 = the base
+  int shape = -1;  // index in RobotModel::shapes(), -1 for an obstacle
+  int joint = -1;  // arm joint that moves it, -1 = the base
   Pose pose_in_joint = Pose::Identity();
   Vector3d half_extents = Vector3d::Zero();  // box that encloses it, own axes [m]
-  double reach = 0.0;                  // radius of the sphere that encloses it [m]
+  double reach = 0.0;                        // radius of the sphere that encloses it [m]
   coal::Capsule capsule{0.1, 0.1};
   coal::Box box{0.1, 0.1, 0.1};
-  Pose pose = Pose::Identity();        // world
-  coal::Transform3s placed;            // the same for Coal
+  Pose pose = Pose::Identity();  // world
+  coal::Transform3s placed;      // the same for Coal
 
   [[nodiscard]] const coal::ShapeBase& core() const {
     return kind == CollisionShape::Kind::Box ? static_cast<const coal::ShapeBase&>(box) : capsule;
@@ -77,9 +77,9 @@ struct Found {
   const Body* body = nullptr;
   const Body* other = nullptr;
   int obstacle = -1;
-  Vector3d on_body = Vector3d::Zero();   // nearest points, world [m]
+  Vector3d on_body = Vector3d::Zero();  // nearest points, world [m]
   Vector3d on_other = Vector3d::Zero();
-  Vector3d normal = Vector3d::UnitZ();   // from other to body, unit, world
+  Vector3d normal = Vector3d::UnitZ();  // from other to body, unit, world
 };
 
 // The kMaxClearanceRows pairs with the least reserve, in order.
@@ -220,8 +220,8 @@ bool ClearanceChecker::Impl::place_robot(const RobotModel& model, const BasePose
   return true;
 }
 
-// Signed distance and nearest points of the pair: GJK, and EPA where the cores (segments, boxes) overlap. The normal is kept usable
-// where both fail.
+// Signed distance and nearest points of the pair: GJK, and EPA where the cores (segments, boxes) overlap. The normal is kept
+// usable where both fail.
 double ClearanceChecker::Impl::measure(Found& found) {
   const Body& a = *found.body;
   const Body& b = *found.other;
@@ -252,7 +252,8 @@ double ClearanceChecker::Impl::measure(Found& found) {
   return found.distance;
 }
 
-void ClearanceChecker::Impl::look(const Body& body, const Body& other, ClearanceKind kind, int obstacle, ClearanceResult& out) {
+void ClearanceChecker::Impl::look(const Body& body, const Body& other, ClearanceKind kind, int obstacle,
+                                  ClearanceResult& out) {
   const ClearanceLimits& limit = limits(kind);
   if (least_distance(body, other) > limit.influence) {
     return;
@@ -273,7 +274,8 @@ void ClearanceChecker::Impl::look(const Body& body, const Body& other, Clearance
   }
 }
 
-void ClearanceChecker::Impl::write_row(const RobotModel& model, const BasePose& base, const Found& found, ClearanceRow& out) {
+void ClearanceChecker::Impl::write_row(const RobotModel& model, const BasePose& base, const Found& found,
+                                       ClearanceRow& out) {
   model.point_jacobian(found.body->joint, found.on_body, base, J_body);
   out.row.noalias() = found.normal.transpose() * J_body;  // (1, n + 2)
   if (found.kind == ClearanceKind::Self) {
@@ -329,7 +331,8 @@ void ClearanceChecker::compute(const RobotModel& model, const BasePose& base, Cl
   }
   m.shortlist.clear();
   for (const Impl::Pair& pair : m.self_pairs) {
-    m.look(m.bodies[static_cast<std::size_t>(pair.body)], m.bodies[static_cast<std::size_t>(pair.other)], ClearanceKind::Self, -1, out);
+    m.look(m.bodies[static_cast<std::size_t>(pair.body)], m.bodies[static_cast<std::size_t>(pair.other)],
+           ClearanceKind::Self, -1, out);
   }
   for (int i = 0; i < kMaxObstacles; ++i) {
     const Impl::Obstacle& obstacle = m.obstacles[static_cast<std::size_t>(i)];

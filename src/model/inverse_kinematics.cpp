@@ -15,12 +15,12 @@ namespace {
 
 using Matrix6d = Eigen::Matrix<double, 6, 6>;
 
-constexpr double kTolerance = 1e-5;       // Position [m] and rotation [rad], as promised
-constexpr double kGoal = 1e-8;            // Newton goes on to here, it costs one or two more steps
-constexpr double kLargestStep = 0.4;      // Of one joint per iteration; the linear model holds for about 25 degrees [rad or m]
-constexpr double kDamping = 1e-4;         // λ², corresponds to a singular value of 0.01, far below any useful posture
-constexpr int kPatience = 12;             // Iterations after which the error must have fallen ...
-constexpr double kProgress = 0.5;         // ... to this part of its value, else the start leads nowhere
+constexpr double kTolerance = 1e-5;   // Position [m] and rotation [rad], as promised
+constexpr double kGoal = 1e-8;        // Newton goes on to here, it costs one or two more steps
+constexpr double kLargestStep = 0.4;  // Of one joint per iteration; the linear model holds for about 25 degrees [rad or m]
+constexpr double kDamping = 1e-4;     // λ², corresponds to a singular value of 0.01, far below any useful posture
+constexpr int kPatience = 12;         // Iterations after which the error must have fallen ...
+constexpr double kProgress = 0.5;     // ... to this part of its value, else the start leads nowhere
 
 bool inside(const RobotLimits& limits, const JointVector& q) {
   return (q.array() >= limits.position_lower.array()).all() && (q.array() <= limits.position_upper.array()).all();
@@ -58,7 +58,9 @@ Vector6d pose_error(const Pose& wanted, const Pose& is) {
   return e;
 }
 
-bool reached(const Vector6d& e, double tolerance) { return e.head<3>().norm() < tolerance && e.tail<3>().norm() < tolerance; }
+bool reached(const Vector6d& e, double tolerance) {
+  return e.head<3>().norm() < tolerance && e.tail<3>().norm() < tolerance;
+}
 
 }  // namespace
 

@@ -61,8 +61,8 @@ RobotModel load_robot(const std::string& name_or_path) {
       }
     }
   }
-  throw IoError("robot: \"" + name_or_path + "\"; allowed: a path to a .urdf with its .toml beside it, or one of: " +
-                join_names(robot_names(folders)));
+  throw IoError("robot: \"" + name_or_path +
+                "\"; allowed: a path to a .urdf with its .toml beside it, or one of: " + join_names(robot_names(folders)));
 }
 
 }  // namespace ajar

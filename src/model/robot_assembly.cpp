@@ -15,7 +15,9 @@ namespace {
 // Stands for "no limit" of a continuous joint: finite, so that differences of limits stay finite.
 constexpr double kNoLimit = 1e3;
 
-const UrdfDescription::Link& link_at(const UrdfDescription& urdf, int index) { return urdf.links[static_cast<std::size_t>(index)]; }
+const UrdfDescription::Link& link_at(const UrdfDescription& urdf, int index) {
+  return urdf.links[static_cast<std::size_t>(index)];
+}
 
 std::vector<std::string> link_names(const UrdfDescription& urdf) {
   std::vector<std::string> names;
@@ -38,7 +40,8 @@ std::vector<std::string> movable_joints(const UrdfDescription& urdf) {
 int required_link(const UrdfDescription& urdf, const RobotConfig& config, const std::string& key, const std::string& name) {
   const int link = urdf.find_link(name);
   if (link < 0) {
-    throw ModelError(config.where(key) + ": " + name + "; allowed: a link of " + urdf.file + ": " + join_names(link_names(urdf)));
+    throw ModelError(config.where(key) + ": " + name + "; allowed: a link of " + urdf.file + ": " +
+                     join_names(link_names(urdf)));
   }
   return link;
 }
@@ -51,12 +54,14 @@ std::vector<int> arm_links(const UrdfDescription& urdf, const RobotConfig& confi
     const int link = urdf.find_joint(joint);
     if (link < 0 || link_at(urdf, link).motion == UrdfDescription::Motion::Fixed ||
         link_at(urdf, link).motion == UrdfDescription::Motion::Other) {
-      throw ModelError(config.where("arm.joints") + ": " + joint + "; allowed: revolute, continuous and prismatic joints of " +
-                       urdf.file + ": " + join_names(movable_joints(urdf)));
+      throw ModelError(config.where("arm.joints") + ": " + joint +
+                       "; allowed: revolute, continuous and prismatic joints of " + urdf.file + ": " +
+                       join_names(movable_joints(urdf)));
     }
     const bool in_order = links.empty() || (link != below && urdf.descends(link, below));
     if (!in_order || !urdf.descends(hand, link) || urdf.descends(base, link)) {
-      throw ModelError(config.where("arm.joints") + ": " + joint + "; allowed: joints between base.frame and hand.frame, from the base to the hand");
+      throw ModelError(config.where("arm.joints") + ": " + joint +
+                       "; allowed: joints between base.frame and hand.frame, from the base to the hand");
     }
     links.push_back(link);
     below = link;
@@ -65,8 +70,8 @@ std::vector<int> arm_links(const UrdfDescription& urdf, const RobotConfig& confi
 }
 
 struct Placement {
-  int joint = -1;               // arm joint that moves the link, -1 = the base
-  Pose X = Pose::Identity();    // in that joint's frame or in the base frame
+  int joint = -1;             // arm joint that moves the link, -1 = the base
+  Pose X = Pose::Identity();  // in that joint's frame or in the base frame
 };
 
 // Where each link sits, all joints but the arm's at zero.
@@ -91,10 +96,12 @@ std::vector<Placement> place_links(const UrdfDescription& urdf, const std::vecto
   return placements;
 }
 
-void collect_shapes(const UrdfDescription& urdf, const RobotConfig& config, const std::vector<Placement>& placements, RobotParts& parts) {
+void collect_shapes(const UrdfDescription& urdf, const RobotConfig& config, const std::vector<Placement>& placements,
+                    RobotParts& parts) {
   for (std::size_t i = 0; i < urdf.links.size(); ++i) {
     if (urdf.links[i].has_mesh && !config.ignore_meshes) {
-      throw ModelError(urdf.where(urdf.links[i]) + ": collision: a mesh; allowed: box, cylinder, sphere, or collision.meshes = \"ignore\" in " +
+      throw ModelError(urdf.where(urdf.links[i]) +
+                       ": collision: a mesh; allowed: box, cylinder, sphere, or collision.meshes = \"ignore\" in " +
                        config.file);
     }
     for (CollisionShape shape : urdf.links[i].shapes) {
@@ -130,10 +137,12 @@ void weigh_tool(const UrdfDescription& urdf, const std::vector<Placement>& place
   parts.tool_com = parts.tool_mass > 0.0 ? Vector3d(moment / parts.tool_mass) : Vector3d(Vector3d::Zero());
 }
 
-void set_joint_limits(const UrdfDescription& urdf, const RobotConfig& config, const std::vector<int>& arm, RobotParts& parts) {
+void set_joint_limits(const UrdfDescription& urdf, const RobotConfig& config, const std::vector<int>& arm,
+                      RobotParts& parts) {
   const auto n = static_cast<Eigen::Index>(arm.size());
   RobotLimits& limits = parts.limits;
-  for (JointVector* v : {&limits.position_lower, &limits.position_upper, &limits.velocity, &limits.acceleration, &limits.effort, &parts.home}) {
+  for (JointVector* v : {&limits.position_lower, &limits.position_upper, &limits.velocity, &limits.acceleration,
+                         &limits.effort, &parts.home}) {
     v->resize(n);
   }
   for (Eigen::Index i = 0; i < n; ++i) {
@@ -158,8 +167,9 @@ void set_joint_limits(const UrdfDescription& urdf, const RobotConfig& config, co
                        "; allowed: > 0 here or in arm.velocity of " + config.file);
     }
     if (parts.home[i] < limits.position_lower[i] || parts.home[i] > limits.position_upper[i]) {
-      throw ModelError(config.where("arm.home") + ": " + std::to_string(parts.home[i]) + " for " + link.joint + "; allowed: " +
-                       std::to_string(limits.position_lower[i]) + " to " + std::to_string(limits.position_upper[i]));
+      throw ModelError(config.where("arm.home") + ": " + std::to_string(parts.home[i]) + " for " + link.joint +
+                       "; allowed: " + std::to_string(limits.position_lower[i]) + " to " +
+                       std::to_string(limits.position_upper[i]));
     }
   }
 }
@@ -175,7 +185,8 @@ RobotParts assemble_robot(const std::filesystem::path& urdf_path, const std::fil
   const std::vector<int> arm = arm_links(urdf, config, base, hand);
   const std::vector<Placement> placements = place_links(urdf, arm, base);
   if (placements[static_cast<std::size_t>(sensor)].joint != static_cast<int>(arm.size()) - 1) {
-    throw ModelError(config.where("hand.sensor_frame") + ": " + config.sensor_frame + "; allowed: a link beyond the last arm joint");
+    throw ModelError(config.where("hand.sensor_frame") + ": " + config.sensor_frame +
+                     "; allowed: a link beyond the last arm joint");
   }
 
   RobotParts parts;

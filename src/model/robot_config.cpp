@@ -144,8 +144,8 @@ class Section {
 
 void read_base(RobotConfig& config, const toml::table& root) {
   const Section base(config, root, "base",
-                     {"type", "frame", "wheel_radius", "wheel_track", "forward_speed", "reverse_speed", "yaw_rate", "acceleration",
-                      "yaw_acceleration", "wheel_speed"});
+                     {"type", "frame", "wheel_radius", "wheel_track", "forward_speed", "reverse_speed", "yaw_rate",
+                      "acceleration", "yaw_acceleration", "wheel_speed"});
   config.base_type = base.choice("type", {"differential", "fixed"}) == "fixed" ? BaseType::Fixed : BaseType::Differential;
   config.base_frame = base.text("frame");
   if (config.base_type == BaseType::Fixed) {
@@ -220,8 +220,8 @@ RobotConfig read_robot_config(const std::filesystem::path& path) {
   try {
     root = toml::parse(text, path.string());
   } catch (const toml::parse_error& error) {
-    throw ModelError(config.file + ":" + std::to_string(error.source().begin.line) + ": not TOML: " +
-                     std::string(error.description()));
+    throw ModelError(config.file + ":" + std::to_string(error.source().begin.line) +
+                     ": not TOML: " + std::string(error.description()));
   }
   const std::vector<std::string> tables{"robot", "base", "arm", "hand", "collision"};
   for (const auto& [key, value] : root) {

@@ -15,16 +15,16 @@ struct RobotParts {
   std::string name;
   std::filesystem::path urdf;
   BaseType base_type = BaseType::Differential;
-  double wheel_radius = 0.0;                       ///< [m]
-  double wheel_track = 0.0;                        ///< [m]
+  double wheel_radius = 0.0;  ///< [m]
+  double wheel_track = 0.0;   ///< [m]
   RobotLimits limits;
   std::vector<CollisionShape> shapes;
   std::vector<std::array<int, 2>> unchecked_pairs;  ///< Indices in shapes
   std::vector<bool> free_turning;                   ///< Per joint: may be wrapped by whole turns, shape (n)
-  double tool_mass = 0.0;                          ///< [kg]
-  Vector3d tool_com = Vector3d::Zero();            ///< Sensor axes and origin [m]
-  JointVector home;                                ///< shape (n) [rad or m]
-  double gripper_stroke = 0.0;                     ///< [m]
+  double tool_mass = 0.0;                           ///< [kg]
+  Vector3d tool_com = Vector3d::Zero();             ///< Sensor axes and origin [m]
+  JointVector home;                                 ///< shape (n) [rad or m]
+  double gripper_stroke = 0.0;                      ///< [m]
   ArmChainNames names;
 };
 

@@ -111,7 +111,8 @@ void RobotModel::compute(const BasePose& base, const JointVector& q, Kinematics&
   out.distance_jacobian.setZero();
   if (out.distance > kLeastDistance) {
     const Eigen::RowVector2d towards_hand(r_W.x() / out.distance, r_W.y() / out.distance);
-    out.distance_jacobian.head(n).noalias() = towards_hand * out.J.topLeftCorner(2, n);  // (1, n); base columns stay exactly zero
+    out.distance_jacobian.head(n).noalias() =
+        towards_hand * out.J.topLeftCorner(2, n);  // (1, n); base columns stay exactly zero
   }
   out.valid = true;
 }

@@ -35,7 +35,8 @@ class ErrorCollector : public console_bridge::OutputHandler {
 
 Pose to_eigen(const urdf::Pose& pose) {
   Pose X = Pose::Identity();
-  X.linear() = Eigen::Quaterniond(pose.rotation.w, pose.rotation.x, pose.rotation.y, pose.rotation.z).normalized().toRotationMatrix();
+  X.linear() =
+      Eigen::Quaterniond(pose.rotation.w, pose.rotation.x, pose.rotation.y, pose.rotation.z).normalized().toRotationMatrix();
   X.translation() = Vector3d(pose.position.x, pose.position.y, pose.position.z);
   return X;
 }
@@ -53,16 +54,11 @@ int line_of_link(const std::string& text, const std::string& name) {
 
 UrdfDescription::Motion motion_of(const urdf::Joint& joint) {
   switch (joint.type) {
-    case urdf::Joint::FIXED:
-      return UrdfDescription::Motion::Fixed;
-    case urdf::Joint::REVOLUTE:
-      return UrdfDescription::Motion::Revolute;
-    case urdf::Joint::CONTINUOUS:
-      return UrdfDescription::Motion::Continuous;
-    case urdf::Joint::PRISMATIC:
-      return UrdfDescription::Motion::Prismatic;
-    default:
-      return UrdfDescription::Motion::Other;
+    case urdf::Joint::FIXED: return UrdfDescription::Motion::Fixed;
+    case urdf::Joint::REVOLUTE: return UrdfDescription::Motion::Revolute;
+    case urdf::Joint::CONTINUOUS: return UrdfDescription::Motion::Continuous;
+    case urdf::Joint::PRISMATIC: return UrdfDescription::Motion::Prismatic;
+    default: return UrdfDescription::Motion::Other;
   }
 }
 
@@ -114,8 +110,9 @@ void check_link(const UrdfDescription& description, const UrdfDescription::Link&
   }
   for (const CollisionShape& shape : link.shapes) {
     const bool box = shape.kind == CollisionShape::Kind::Box;
-    const bool good = box ? shape.half_extents.minCoeff() > 0.0 && shape.half_extents.allFinite()
-                          : shape.radius > 0.0 && shape.half_length >= 0.0 && std::isfinite(shape.radius + shape.half_length);
+    const bool good =
+        box ? shape.half_extents.minCoeff() > 0.0 && shape.half_extents.allFinite()
+            : shape.radius > 0.0 && shape.half_length >= 0.0 && std::isfinite(shape.radius + shape.half_length);
     if (!good || !shape.pose_in_joint.matrix().allFinite()) {
       throw ModelError(where + ": collision: sizes must be positive and finite, the origin finite");
     }
@@ -151,7 +148,8 @@ int UrdfDescription::find_link(const std::string& name) const noexcept {
 }
 
 int UrdfDescription::find_joint(const std::string& name) const noexcept {
-  const auto found = std::find_if(links.begin(), links.end(), [&](const Link& link) { return link.parent >= 0 && link.joint == name; });
+  const auto found =
+      std::find_if(links.begin(), links.end(), [&](const Link& link) { return link.parent >= 0 && link.joint == name; });
   return found == links.end() ? -1 : static_cast<int>(found - links.begin());
 }
 

@@ -14,19 +14,19 @@ struct UrdfDescription {
 
   struct Link {
     std::string name;
-    int parent = -1;                       ///< Index in `links`, -1 for the root
-    std::string joint;                     ///< Joint between parent and this link
-    Motion motion = Motion::Fixed;         ///< Of that joint
-    Pose X_PL = Pose::Identity();          ///< In the parent, joint at zero
-    double lower = 0.0;                    ///< Joint limits [rad or m]
-    double upper = 0.0;                    ///< [rad or m]
-    double velocity = 0.0;                 ///< [rad/s or m/s]
-    double effort = 0.0;                   ///< [N m or N]
-    double mass = 0.0;                     ///< [kg]
-    Vector3d com = Vector3d::Zero();       ///< Link frame [m]
-    std::vector<CollisionShape> shapes;    ///< pose_in_joint holds the pose in the link
-    bool has_mesh = false;                 ///< A collision body is a mesh
-    int line = 0;                          ///< Where the link stands in the file, 0 = not found
+    int parent = -1;                     ///< Index in `links`, -1 for the root
+    std::string joint;                   ///< Joint between parent and this link
+    Motion motion = Motion::Fixed;       ///< Of that joint
+    Pose X_PL = Pose::Identity();        ///< In the parent, joint at zero
+    double lower = 0.0;                  ///< Joint limits [rad or m]
+    double upper = 0.0;                  ///< [rad or m]
+    double velocity = 0.0;               ///< [rad/s or m/s]
+    double effort = 0.0;                 ///< [N m or N]
+    double mass = 0.0;                   ///< [kg]
+    Vector3d com = Vector3d::Zero();     ///< Link frame [m]
+    std::vector<CollisionShape> shapes;  ///< pose_in_joint holds the pose in the link
+    bool has_mesh = false;               ///< A collision body is a mesh
+    int line = 0;                        ///< Where the link stands in the file, 0 = not found
   };
 
   std::string file;         ///< Path, for messages

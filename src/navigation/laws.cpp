@@ -50,12 +50,12 @@ void NavigationConfig::validate() const {
   }
   // The path's curvature stays bounded only if both heading modes are faster than the distance (docs/equations.md#polar).
   if (!(k_gamma > 2.0 * k_rho)) {
-    throw ConfigError("navigation.k_gamma = " + std::to_string(k_gamma) + ": must be larger than 2 k_rho = " +
-                      std::to_string(2.0 * k_rho));
+    throw ConfigError("navigation.k_gamma = " + std::to_string(k_gamma) +
+                      ": must be larger than 2 k_rho = " + std::to_string(2.0 * k_rho));
   }
   if (!(k_delta > k_gamma / k_rho - 1.0)) {
-    throw ConfigError("navigation.k_delta = " + std::to_string(k_delta) + ": must be larger than k_gamma / k_rho - 1 = " +
-                      std::to_string(k_gamma / k_rho - 1.0));
+    throw ConfigError("navigation.k_delta = " + std::to_string(k_delta) +
+                      ": must be larger than k_gamma / k_rho - 1 = " + std::to_string(k_gamma / k_rho - 1.0));
   }
 }
 

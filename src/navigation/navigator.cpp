@@ -99,7 +99,8 @@ BaseTwist Navigator::advance(State& state, const BasePose& base, double dt) cons
   want = {want.v / excess, want.w / excess};
   const double dv = want.v - state.last.v;
   const double dw = want.w - state.last.w;
-  const double share = std::max({1.0, std::abs(dv) / (config_.acceleration * dt), std::abs(dw) / (config_.yaw_acceleration * dt)});
+  const double share =
+      std::max({1.0, std::abs(dv) / (config_.acceleration * dt), std::abs(dw) / (config_.yaw_acceleration * dt)});
   state.last = {state.last.v + dv / share, state.last.w + dw / share};
   return state.last;
 }
@@ -266,7 +267,8 @@ Navigator::Prediction Navigator::predict(State state, BasePose base, const KeepO
 void Navigator::consider(State candidate, const BasePose& base, const KeepOut* keep_out) noexcept {
   const Prediction p = predict(candidate, base, keep_out);
   double cost = p.time + (p.arrives ? 0.0 : 1e4) + std::max(0.0, p.curvature - kEasyCurvature);
-  for (int i = 0; i < candidate.leg_count; ++i) cost += candidate.legs[static_cast<std::size_t>(i)].turn_first ? kTurnPrice : 0.0;
+  for (int i = 0; i < candidate.leg_count; ++i)
+    cost += candidate.legs[static_cast<std::size_t>(i)].turn_first ? kTurnPrice : 0.0;
   if (keep_out != nullptr) {
     const double own = std::min(footprint_clearance(base, *keep_out), footprint_clearance(candidate.target, *keep_out));
     // 1 cm: path following is not exact.
@@ -310,8 +312,8 @@ void Navigator::set_target(const BasePose& base, const BasePose& target, const K
   }
   if (keep_out == nullptr || best_cost_ < 1e3) return;
   const Vector2d offset = Vector2d(target.x, target.y) - keep_out->point;
-  const Vector2d free = Vector2d(target.x, target.y) +
-                        std::max(0.0, kViaDistance - offset.dot(keep_out->normal)) * keep_out->normal;
+  const Vector2d free =
+      Vector2d(target.x, target.y) + std::max(0.0, kViaDistance - offset.dot(keep_out->normal)) * keep_out->normal;
   const BasePose via{free.x(), free.y(), target.yaw};
   fresh.leg_count = 2;
   for (const bool first : {true, false}) {

@@ -41,8 +41,8 @@ struct Disturbance {
   double dy;
   double yaw;
 };
-constexpr Disturbance kDisturbances[] = {{0.17, 0.02, 0.02, 0.07}, {-0.17, -0.02, 0.02, -0.07}, {0.17, -0.02, -0.02, -0.07},
-                                         {-0.17, 0.02, -0.02, 0.07}};
+constexpr Disturbance kDisturbances[] = {
+    {0.17, 0.02, 0.02, 0.07}, {-0.17, -0.02, 0.02, -0.07}, {0.17, -0.02, -0.02, -0.07}, {-0.17, 0.02, -0.02, 0.07}};
 
 void require(bool ok, const char* key, double value, const char* allowed) {
   if (!ok) throw ConfigError("planner." + std::string(key) + " = " + std::to_string(value) + ": must be " + allowed);
@@ -51,13 +51,14 @@ void require(bool ok, const char* key, double value, const char* allowed) {
 void require_list(const std::vector<double>& values, const char* key, double lower, double upper) {
   if (values.empty()) throw ConfigError("planner." + std::string(key) + " is empty: needs at least one value");
   for (const double value : values) {
-    require(value >= lower && value <= upper, key, value, ("in [" + std::to_string(lower) + ", " + std::to_string(upper) + "]").c_str());
+    require(value >= lower && value <= upper, key, value,
+            ("in [" + std::to_string(lower) + ", " + std::to_string(upper) + "]").c_str());
   }
 }
 
 bool finite(const HandleBelief& belief) {
-  return belief.position.allFinite() && belief.normal.allFinite() && belief.bar.allFinite() && std::isfinite(belief.standoff) &&
-         Vector2d(belief.normal.x(), belief.normal.y()).norm() > 0.1;
+  return belief.position.allFinite() && belief.normal.allFinite() && belief.bar.allFinite() &&
+         std::isfinite(belief.standoff) && Vector2d(belief.normal.x(), belief.normal.y()).norm() > 0.1;
 }
 
 bool same_base(const BasePose& a, const BasePose& b) { return a.x == b.x && a.y == b.y && a.yaw == b.yaw; }
@@ -66,7 +67,8 @@ Vector3d turned_about_z(const Vector3d& v, double angle) { return Eigen::AngleAx
 
 template <typename T>
 void shuffle(std::vector<T>& values, Random& random) {
-  for (std::size_t i = values.size(); i > 1; --i) std::swap(values[i - 1], values[static_cast<std::size_t>(random.index(static_cast<int>(i)))]);
+  for (std::size_t i = values.size(); i > 1; --i)
+    std::swap(values[i - 1], values[static_cast<std::size_t>(random.index(static_cast<int>(i)))]);
 }
 
 }  // namespace
@@ -98,10 +100,12 @@ struct GraspPlanner::Impl {
 
   std::vector<BasePose> places(const HandleBelief& belief);
   std::vector<Posture> pool(const HandleBelief& belief, Random& random, std::string& why);
-  double worst(const HandleBelief& belief, std::vector<MechanismHypothesis>& hypotheses, const Posture& posture, double enough);
+  double worst(const HandleBelief& belief, std::vector<MechanismHypothesis>& hypotheses, const Posture& posture,
+               double enough);
   std::vector<Posture> best_of(const HandleBelief& belief, std::vector<MechanismHypothesis>& hypotheses,
                                const std::vector<Posture>& postures, bool one_per_base);
-  double disturbed(const HandleBelief& belief, std::vector<MechanismHypothesis>& hypotheses, const Posture& posture, double enough);
+  double disturbed(const HandleBelief& belief, std::vector<MechanismHypothesis>& hypotheses, const Posture& posture,
+                   double enough);
   std::vector<Posture> postures_at(const HandleBelief& belief, const BasePose& base, Random& random);
   bool complete(const HandleBelief& belief, const Posture& posture, GraspCandidate& out) const;
 
@@ -182,9 +186,8 @@ std::vector<Posture> GraspPlanner::Impl::best_of(const HandleBelief& belief, std
   std::vector<Posture> out;
   const auto kept = static_cast<std::size_t>(config.kept);
   for (Posture posture : postures) {
-    const auto rival = std::find_if(out.begin(), out.end(), [&](const Posture& other) {
-      return one_per_base && same_base(other.base, posture.base);
-    });
+    const auto rival = std::find_if(
+        out.begin(), out.end(), [&](const Posture& other) { return one_per_base && same_base(other.base, posture.base); });
     const double full = out.size() < kept ? kHopeless : out.back().value;
     const double enough = rival == out.end() ? full : rival->value;
     posture.value = worst(belief, hypotheses, posture, enough);
@@ -206,8 +209,8 @@ double GraspPlanner::Impl::disturbed(const HandleBelief& belief, std::vector<Mec
     HandleBelief seen = belief;
     seen.normal = turned_about_z(belief.normal, d.normal);
     seen.bar = turned_about_z(belief.bar, d.normal);
-    const Vector3d offset =
-        turned_about_z(Vector3d(posture.base.x, posture.base.y, 0.0) - Vector3d(belief.position.x(), belief.position.y(), 0.0), d.normal);
+    const Vector3d offset = turned_about_z(
+        Vector3d(posture.base.x, posture.base.y, 0.0) - Vector3d(belief.position.x(), belief.position.y(), 0.0), d.normal);
     Posture moved = posture;
     moved.base = {belief.position.x() + offset.x() + d.dx, belief.position.y() + offset.y() + d.dy,
                   wrap_angle(posture.base.yaw + d.normal + d.yaw)};
@@ -229,7 +232,8 @@ std::vector<Posture> GraspPlanner::Impl::postures_at(const HandleBelief& belief,
     for (int start = 0; start < 2 * config.ik_starts; ++start) {
       const std::optional<JointVector> q = finder.reach(base, hand, random, tally);
       if (!q) continue;
-      const bool known = std::any_of(out.begin(), out.end(), [&](const Posture& other) { return same_posture(other.q, *q); });
+      const bool known =
+          std::any_of(out.begin(), out.end(), [&](const Posture& other) { return same_posture(other.q, *q); });
       if (!known && finder.usable(belief, base, *q, limits, tally)) out.push_back({base, *q, hand});
     }
   }

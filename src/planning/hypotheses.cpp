@@ -14,7 +14,8 @@ constexpr double kUpright = 0.7071;
 constexpr double kStraight = 1e-9;
 
 /// Turning about an axis through a point that lies `radius` along `towards` from the handle's foot on the leaf.
-MechanismHypothesis turning(const HandleBelief& belief, const Vector3d& n, const Vector3d& towards, double radius, double angle) {
+MechanismHypothesis turning(const HandleBelief& belief, const Vector3d& n, const Vector3d& towards, double radius,
+                            double angle) {
   MechanismHypothesis out;
   // From the axis to the grip: the grip stands `standoff` in front of the leaf that holds the axis.
   const Vector3d arm = belief.standoff * n - radius * towards;

@@ -21,8 +21,8 @@ constexpr int kIterations = 25;
 constexpr double kSamePosture = 0.1;
 // On the straight way to the handle: checked points, largest joint motion between them, distance kept.
 constexpr int kApproachPoints = 4;
-constexpr double kApproachJump = 0.5;       // [rad] for 2.5 cm
-constexpr double kApproachClearance = 0.02; // the rows' stop distance [m]
+constexpr double kApproachJump = 0.5;        // [rad] for 2.5 cm
+constexpr double kApproachClearance = 0.02;  // the rows' stop distance [m]
 
 template <typename... Values>
 std::string text(const char* format, Values... values) {
@@ -102,8 +102,8 @@ std::optional<JointVector> PostureFinder::reach(const BasePose& base, const Pose
   return unwind(q);
 }
 
-bool PostureFinder::usable(const HandleBelief& belief, const BasePose& base, const JointVector& q, const PostureLimits& limits,
-                           PostureTally& tally) const {
+bool PostureFinder::usable(const HandleBelief& belief, const BasePose& base, const JointVector& q,
+                           const PostureLimits& limits, PostureTally& tally) const {
   ++tally.reached;
   if (!inside_limits(q)) return false;
   ++tally.inside_limits;
@@ -139,12 +139,12 @@ std::string explain(const PostureTally& tally, const HandleBelief& belief, const
   if (tally.reached == 0) return text("no base pose reaches a handle at %.2f m height", z);
   if (tally.inside_limits == 0) return text("every posture that reaches the handle at %.2f m is at a joint limit", z);
   if (tally.regular == 0) {
-    return text("every posture that reaches the handle at %.2f m is near singular: sigma %.3f, needed %.3f", z, tally.best_sigma,
-                limits.sigma);
+    return text("every posture that reaches the handle at %.2f m is near singular: sigma %.3f, needed %.3f", z,
+                tally.best_sigma, limits.sigma);
   }
   if (tally.clear_of_self == 0) {
-    return text("every posture that reaches the handle at %.2f m comes within %.3f m of the robot's own body, needed %.3f", z,
-                std::max(0.0, tally.best_own), limits.own);
+    return text("every posture that reaches the handle at %.2f m comes within %.3f m of the robot's own body, needed %.3f",
+                z, std::max(0.0, tally.best_own), limits.own);
   }
   if (tally.clear_of_wall == 0) {
     return text("every posture that reaches the handle at %.2f m comes within %.3f m of the wall, needed %.3f", z,

@@ -22,7 +22,7 @@ struct PostureTally {
   int starts = 0;
   int reached = 0;
   int inside_limits = 0;
-  int regular = 0;      // sigma large enough
+  int regular = 0;  // sigma large enough
   int clear_of_self = 0;
   int clear_of_wall = 0;
   double best_sigma = 0.0;
@@ -50,11 +50,12 @@ class PostureFinder {
       : model_(model), config_(config), roll_out_(roll_out) {}
 
   /// One posture from one random start, brought into the joint range; empty if that start leads nowhere.
-  [[nodiscard]] std::optional<JointVector> reach(const BasePose& base, const Pose& hand, Random& random, PostureTally& tally) const;
+  [[nodiscard]] std::optional<JointVector> reach(const BasePose& base, const Pose& hand, Random& random,
+                                                 PostureTally& tally) const;
 
   /// Joints away from their limits, arm away from singularity, robot clear of itself and the wall.
-  [[nodiscard]] bool usable(const HandleBelief& belief, const BasePose& base, const JointVector& q, const PostureLimits& limits,
-                            PostureTally& tally) const;
+  [[nodiscard]] bool usable(const HandleBelief& belief, const BasePose& base, const JointVector& q,
+                            const PostureLimits& limits, PostureTally& tally) const;
 
   /// Posture with the hand `approach_distance` before the handle, continuous with the grasp and clear on the way.
   [[nodiscard]] std::optional<JointVector> approach(const HandleBelief& belief, const Posture& grasp) const;

@@ -28,11 +28,11 @@ constexpr double kSoftOffset = 0.06;
 constexpr double kSoftShare = 0.5;
 
 // The loop's own gating of base and speed by arc and lag (docs/equations.md#confidence, #speed-law).
-constexpr double kStartSpeed = 0.02;      // [m/s]
-constexpr double kArcBegin = 0.015;       // [m]
-constexpr double kArcFull = 0.06;         // [m]
-constexpr double kLagFree = 0.06;         // [m]
-constexpr double kLagFull = 0.16;         // [m]
+constexpr double kStartSpeed = 0.02;  // [m/s]
+constexpr double kArcBegin = 0.015;   // [m]
+constexpr double kArcFull = 0.06;     // [m]
+constexpr double kLagFree = 0.06;     // [m]
+constexpr double kLagFull = 0.16;     // [m]
 constexpr double kLeastGate = 0.2;
 // The estimator knows type and leaf only after this arc [m].
 constexpr double kKindArc = 0.10;
@@ -40,11 +40,11 @@ constexpr double kKindArc = 0.10;
 constexpr double kLostError = 0.06;
 // A standstill this long ends a roll-out [s].
 constexpr double kStallTime = 1.5;
-constexpr double kStallSpeed = 0.004;     // [m/s]
-constexpr double kPathGain = 2.0;         // of the roll-out's path error, in place of the force law [1/s]
+constexpr double kStallSpeed = 0.004;  // [m/s]
+constexpr double kPathGain = 2.0;      // of the roll-out's path error, in place of the force law [1/s]
 // A free grip is brought weakly to where it hinders least (as the loop does).
-constexpr double kPivotCentring = 0.3;    // [1/s]
-constexpr double kFlapTurn = 0.6;         // [rad]
+constexpr double kPivotCentring = 0.3;  // [1/s]
+constexpr double kFlapTurn = 0.6;       // [rad]
 // Leaf box: from the axis to beyond the handle [m].
 constexpr double kLatchEdge = 0.09;
 constexpr double kHingeRoom = 0.05;
@@ -92,8 +92,7 @@ Box believed_wall(const HandleBelief& belief) {
   Box wall;
   wall.half_extents = Vector3d(2.5, 0.5 * kWallThickness, 1.5);
   wall.pose.linear() = leaf_axes(belief.normal);
-  wall.pose.translation() =
-      belief.position + (belief.standoff - kFront + 0.5 * kWallThickness) * wall.pose.linear().col(1);
+  wall.pose.translation() = belief.position + (belief.standoff - kFront + 0.5 * kWallThickness) * wall.pose.linear().col(1);
   wall.pose.translation().z() = 1.5;
   return wall;
 }
@@ -155,15 +154,21 @@ BaseTwist RollOut::base_twist(BaseLaw& law, const MechanismHypothesis& hypothesi
   const double gate = std::clamp((kLagFull - motion.lag) / (kLagFull - kLagFree), kLeastGate, 1.0);
   motion.speed = kStartSpeed + (config_.speed - kStartSpeed) * motion.confidence * gate;
   const Vector3d curvature = motion.arc > kArcFull ? hypothesis.curvature : Vector3d(Vector3d::Zero());
-  const BaseLawOutput out = law.step({.dt = dt, .base = motion.base, .hand = motion.p0 + point.shift, .direction = point.direction,
-                                      .curvature = curvature, .wanted_speed = motion.speed, .measured_speed = motion.measured,
+  const BaseLawOutput out = law.step({.dt = dt,
+                                      .base = motion.base,
+                                      .hand = motion.p0 + point.shift,
+                                      .direction = point.direction,
+                                      .curvature = curvature,
+                                      .wanted_speed = motion.speed,
+                                      .measured_speed = motion.measured,
                                       .confidence = motion.confidence});
   motion.lag = out.lag;
   return out.twist;
 }
 
 // Position and rotation that are missing; about a free axis only a gentle turn is asked for.
-Vector6d RollOut::pose_error(const MechanismHypothesis& hypothesis, const Motion& motion, const HypothesisPoint& point) const {
+Vector6d RollOut::pose_error(const MechanismHypothesis& hypothesis, const Motion& motion,
+                             const HypothesisPoint& point) const {
   const Matrix3d& R = kinematics_.X_WE.linear();
   Vector6d error;
   error.head<3>() = motion.p0 + point.shift - kinematics_.X_WE.translation();

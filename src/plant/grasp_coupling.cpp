@@ -89,8 +89,8 @@ GraspCoupling::Drive GraspCoupling::drive_of(const Hand& hand, const MechanismSt
   const bool free_bar = config_.pivots && mechanism_.handle.kind == HandleKind::Bar;
   const double along = free_bar ? mechanism_.axis.dot(motion.linear() * mechanism_.handle.bar) : 0.0;
   drive.force += t.dot(still.force) + mechanism_.axis.dot(still.torque);
-  drive.resistance += slope * t.squaredNorm() +
-                      (1.0 - along * along) * (config_.rotational_stiffness * dt + rotational_damping_);
+  drive.resistance +=
+      slope * t.squaredNorm() + (1.0 - along * along) * (config_.rotational_stiffness * dt + rotational_damping_);
   return drive;
 }
 
@@ -132,8 +132,8 @@ void GraspCoupling::creep(const MechanismState& state, double dt) noexcept {
   if (force <= config_.slip_force) return;
   const double range = std::max(config_.break_force - config_.slip_force, 1.0);
   // Not further in one step than to where the spring has the slip force again.
-  const double way = std::min(dt * kCreepSpeed * (force - config_.slip_force) / range,
-                              (force - config_.slip_force) / config_.stiffness);
+  const double way =
+      std::min(dt * kCreepSpeed * (force - config_.slip_force) / range, (force - config_.slip_force) / config_.stiffness);
   anchor_ += leaf_motion(mechanism_, state.q).linear().transpose() * (wrench_.force * (way / force));
   slipped_ += way;
   if (slipped_ > std::max(kFingerWidth, 0.5 * mechanism_.handle.length)) let_go();

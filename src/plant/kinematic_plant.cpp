@@ -34,8 +34,8 @@ KinematicPlant::KinematicPlant(const RobotModel& model, const Mechanism& mechani
       gripper_(model.gripper_stroke()),
       coupling_(mechanism, config.grasp) {
   if (q_start.size() != model.joints() || !q_start.allFinite()) {
-    throw PlantError("start posture: " + std::to_string(q_start.size()) + " joints: allowed: " +
-                     std::to_string(model.joints()) + " finite numbers");
+    throw PlantError("start posture: " + std::to_string(q_start.size()) +
+                     " joints: allowed: " + std::to_string(model.joints()) + " finite numbers");
   }
   if (!std::isfinite(start.x) || !std::isfinite(start.y) || !std::isfinite(start.yaw)) {
     throw PlantError("start of the base: allowed: finite numbers");
@@ -62,8 +62,9 @@ void KinematicPlant::reset(std::uint64_t seed) {
   owed_ = 0.0;
   may_grasp_ = true;
   model_.compute(base_, q_, kinematics_);
-  wrist_.sample(time_, sensor_wrench(kinematics_, Vector3d::Zero(), Vector3d::Zero(),
-                                     model_.tool_mass() + config_.wrist_sensor.tool_mass_error, model_.tool_com()),
+  wrist_.sample(time_,
+                sensor_wrench(kinematics_, Vector3d::Zero(), Vector3d::Zero(),
+                              model_.tool_mass() + config_.wrist_sensor.tool_mass_error, model_.tool_com()),
                 random_);
   update_truth();
 }
@@ -101,7 +102,8 @@ void KinematicPlant::move_robot() noexcept {
   const RobotLimits& limits = model_.limits();
   for (Eigen::Index i = 0; i < q_.size(); ++i) {
     const double wanted = q_(i) + dt * std::clamp(reference_.dq(i), -limits.velocity(i), limits.velocity(i));
-    const double reached = std::clamp(wanted, std::min(q_(i), limits.position_lower(i)), std::max(q_(i), limits.position_upper(i)));
+    const double reached =
+        std::clamp(wanted, std::min(q_(i), limits.position_lower(i)), std::max(q_(i), limits.position_upper(i)));
     dq_(i) = (reached - q_(i)) / dt;
     q_(i) = reached;
   }
@@ -153,7 +155,8 @@ RobotState KinematicPlant::measure() noexcept {
   out.base_w = odometry_.w();
   out.q = q_;
   for (Eigen::Index i = 0; i < q_.size(); ++i) out.q(i) = quantise(q_(i), config_.arm.encoder_resolution);
-  if (fault_active(config_.faults, Fault::Kind::JointNan, time_)) out.q.setConstant(std::numeric_limits<double>::quiet_NaN());
+  if (fault_active(config_.faults, Fault::Kind::JointNan, time_))
+    out.q.setConstant(std::numeric_limits<double>::quiet_NaN());
   out.dq = dq_;
   wrist_.read(time_, out);
   out.gripper_opening = gripper_.opening();

@@ -26,7 +26,8 @@ void require(const char* key, double value, double lower, double upper) {
 }  // namespace
 
 void PlantConfig::validate() const {
-  if (kind != "mujoco" && kind != "kinematic") throw ConfigError("plant.kind = \"" + kind + "\": must be mujoco or kinematic");
+  if (kind != "mujoco" && kind != "kinematic")
+    throw ConfigError("plant.kind = \"" + kind + "\": must be mujoco or kinematic");
   // Below 0.1 ms a run takes hours, above 2 ms the grasp's spring is no longer integrated stably.
   require("plant.time_step", time_step, 1e-4, 0.002);
   require("plant.delay", delay, 0.0, 1.0);

@@ -67,7 +67,8 @@ void WristSensor::reset(const Disturbances& disturbances) noexcept {
 void WristSensor::sample(double time, const SensorWrench& truth, Random& random) noexcept {
   if (!due(time)) return;
   next_sample_ = time + kWristSamplePeriod;
-  sum_.force += truth.force + disturbances_.force_bias + time * disturbances_.force_drift + random.normal3(config_.force_noise);
+  sum_.force +=
+      truth.force + disturbances_.force_bias + time * disturbances_.force_drift + random.normal3(config_.force_noise);
   sum_.torque += truth.torque + disturbances_.torque_bias + random.normal3(config_.torque_noise);
   sample_time_ = time;
   ++count_;

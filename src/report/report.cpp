@@ -121,7 +121,9 @@ std::string make_report(const std::filesystem::path& run_folder, const ReportCon
   const std::string name = escape_html(std::filesystem::absolute(run_folder).lexically_normal().filename().string());
   std::string page = "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">";
   page += "<meta name=\"viewport\" content=\"width=device-width,initial-scale=1\">";
-  page += "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'\">";
+  page +=
+      "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src 'unsafe-inline'; script-src "
+      "'unsafe-inline'\">";
   page += "<title>Ajar run " + name + "</title>\n<style>";
   page += page::kStyle;
   page += "</style></head>\n<body>";

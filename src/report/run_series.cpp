@@ -33,7 +33,8 @@ class Columns {
   }
   /// Orientation by four columns; none at all where they are missing.
   [[nodiscard]] Eigen::Quaterniond turn(const std::string& name, std::size_t i) const {
-    const Eigen::Quaterniond turn((*this)[name + "w"][i], (*this)[name + "x"][i], (*this)[name + "y"][i], (*this)[name + "z"][i]);
+    const Eigen::Quaterniond turn((*this)[name + "w"][i], (*this)[name + "x"][i], (*this)[name + "y"][i],
+                                  (*this)[name + "z"][i]);
     return turn.coeffs().allFinite() ? turn : Eigen::Quaterniond::Identity();
   }
   [[nodiscard]] const CsvTable& table() const { return table_; }
@@ -46,10 +47,12 @@ class Columns {
 CsvColumns wanted_columns() {
   CsvColumns wanted;
   wanted.texts = {"phase"};
-  wanted.numbers = {"time", "base_v", "base_w", "cmd_v", "cmd_w", "distance", "heading_error", "sigma_min", "est_dir_sigma",
-                    "est_curv_sigma", "est_arc", "est_angle", "true_opening", "true_opening_rate", "true_base_x", "true_base_y",
-                    "true_base_yaw", "wanted_speed", "speed_factor"};
-  for (const char* vector : {"force", "est_dir", "est_curv", "true_hand", "true_handle", "true_dir", "true_curv", "true_force"}) {
+  wanted.numbers = {
+      "time",        "base_v",        "base_w",         "cmd_v",        "cmd_w",       "distance",     "heading_error",
+      "sigma_min",   "est_dir_sigma", "est_curv_sigma", "est_arc",      "est_angle",   "true_opening", "true_opening_rate",
+      "true_base_x", "true_base_y",   "true_base_yaw",  "wanted_speed", "speed_factor"};
+  for (const char* vector :
+       {"force", "est_dir", "est_curv", "true_hand", "true_handle", "true_dir", "true_curv", "true_force"}) {
     for (const char* axis : {"_x", "_y", "_z"}) wanted.numbers.push_back(std::string(vector) + axis);
   }
   for (const char* quaternion : {"hand_q", "true_hand_q"}) {
@@ -92,7 +95,8 @@ void derive_forces(const Columns& log, Derived& out) {
   const Column& time = log["time"];
   const double period = rows > 1 ? (time.back() - time.front()) / static_cast<double>(rows - 1) : kForceWindow;
   const auto samples = static_cast<std::size_t>(std::clamp(kForceWindow / std::max(period, 1e-6), 1.0, 100.0) + 0.5);
-  for (const char* name : {"normal_true", "pull_true", "normal_measured", "pull_measured"}) out[name] = moving_mean(out[name], samples);
+  for (const char* name : {"normal_true", "pull_true", "normal_measured", "pull_measured"})
+    out[name] = moving_mean(out[name], samples);
   const auto& phases = log.table().texts.at("phase");
   for (std::size_t i = 0; i < rows; ++i) {
     if (!has_force(phases[i])) out["normal_measured"][i] = out["pull_measured"][i] = kNothing;
@@ -101,8 +105,8 @@ void derive_forces(const Columns& log, Derived& out) {
 
 void derive_estimate(const Columns& log, bool slide, Derived& out) {
   const std::size_t rows = log.table().rows;
-  for (const char* name : {"direction_error", "direction_2sigma", "curvature_estimated", "curvature_2sigma", "curvature_true", "est_x", "est_y",
-                           "opening_estimated"}) {
+  for (const char* name : {"direction_error", "direction_2sigma", "curvature_estimated", "curvature_2sigma",
+                           "curvature_true", "est_x", "est_y", "opening_estimated"}) {
     out[name].assign(rows, kNothing);
   }
   const auto& phases = log.table().texts.at("phase");
@@ -124,7 +128,8 @@ void derive_estimate(const Columns& log, bool slide, Derived& out) {
 
 void derive_motion(const Columns& log, bool slide, Derived& out) {
   const std::size_t rows = log.table().rows;
-  for (const char* name : {"centre_x", "centre_y", "true_speed", "opening", "heading_error"}) out[name].assign(rows, kNothing);
+  for (const char* name : {"centre_x", "centre_y", "true_speed", "opening", "heading_error"})
+    out[name].assign(rows, kNothing);
   for (std::size_t i = 0; i < rows; ++i) {
     const Vector3d curvature = log.vector("true_curv", i);
     const double k = curvature.norm();
@@ -140,16 +145,27 @@ void derive_motion(const Columns& log, bool slide, Derived& out) {
 }
 
 void copy_columns(const Columns& log, Derived& out) {
-  constexpr std::array kCopies{std::array{"base_x", "true_base_x"}, std::array{"base_y", "true_base_y"}, std::array{"base_yaw", "true_base_yaw"},
-                               std::array{"hand_x", "true_hand_x"}, std::array{"hand_y", "true_hand_y"}, std::array{"handle_x", "true_handle_x"},
-                               std::array{"handle_y", "true_handle_y"}, std::array{"true_q", "true_opening"}, std::array{"distance", "distance"},
-                               std::array{"sigma_min", "sigma_min"}, std::array{"base_v", "base_v"}, std::array{"base_w", "base_w"},
-                               std::array{"cmd_v", "cmd_v"}, std::array{"cmd_w", "cmd_w"}, std::array{"wanted_speed", "wanted_speed"},
+  constexpr std::array kCopies{std::array{"base_x", "true_base_x"},
+                               std::array{"base_y", "true_base_y"},
+                               std::array{"base_yaw", "true_base_yaw"},
+                               std::array{"hand_x", "true_hand_x"},
+                               std::array{"hand_y", "true_hand_y"},
+                               std::array{"handle_x", "true_handle_x"},
+                               std::array{"handle_y", "true_handle_y"},
+                               std::array{"true_q", "true_opening"},
+                               std::array{"distance", "distance"},
+                               std::array{"sigma_min", "sigma_min"},
+                               std::array{"base_v", "base_v"},
+                               std::array{"base_w", "base_w"},
+                               std::array{"cmd_v", "cmd_v"},
+                               std::array{"cmd_w", "cmd_w"},
+                               std::array{"wanted_speed", "wanted_speed"},
                                std::array{"speed_factor", "speed_factor"}};
   for (const auto& [to, from] : kCopies) out[to] = log[from];
 }
 
-/// Rows to show: of each bucket the first, the one with the largest force (peaks must not get lost), and every change of phase.
+/// Rows to show: of each bucket the first, the one with the largest force (peaks must not get lost), and every change of
+/// phase.
 std::vector<std::size_t> choose_rows(const Column& force, const std::vector<std::string>& phases, int points) {
   const std::size_t rows = phases.size();
   std::vector<std::size_t> chosen;

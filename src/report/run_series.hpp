@@ -9,12 +9,12 @@ namespace ajar {
 
 /// The curves of a run, thinned to what a page can show. All have the length of `time`; NaN = nothing to show.
 struct RunSeries {
-  std::vector<double> time;                              ///< [s]
-  std::vector<int> phase;                                ///< Index into phase_names
+  std::vector<double> time;  ///< [s]
+  std::vector<int> phase;    ///< Index into phase_names
   std::vector<std::string> phase_names;
-  std::map<std::string, std::vector<double>> series;     ///< Angles in degrees where a plot shows degrees
-  int joints = 0;                                        ///< Number of cmd_dq columns
-  bool cut_off = false;                                  ///< The log's last line was incomplete
+  std::map<std::string, std::vector<double>> series;  ///< Angles in degrees where a plot shows degrees
+  int joints = 0;                                     ///< Number of cmd_dq columns
+  bool cut_off = false;                               ///< The log's last line was incomplete
 };
 
 /// Reads a log and derives what the page shows. @throws IoError

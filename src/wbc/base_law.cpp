@@ -35,9 +35,7 @@ bool is_usable(const BaseLawInput& input) {
          std::isfinite(input.confidence);
 }
 
-Vector3d turn_about_z(double angle, const Vector3d& v) {
-  return Eigen::AngleAxisd(angle, Vector3d::UnitZ()) * v;
-}
+Vector3d turn_about_z(double angle, const Vector3d& v) { return Eigen::AngleAxisd(angle, Vector3d::UnitZ()) * v; }
 
 }  // namespace
 
@@ -99,8 +97,7 @@ BaseLawOutput BaseLaw::corotating(const BaseLawInput& input) noexcept {
   }
   choose_sense(last_heading_, input.base.yaw, input.confidence);
   const double sense = drive_sense_ < 0 ? -1.0 : 1.0;
-  const double heading_error =
-      wrap_angle(last_heading_ + (sense < 0.0 ? std::numbers::pi : 0.0) - input.base.yaw);
+  const double heading_error = wrap_angle(last_heading_ + (sense < 0.0 ? std::numbers::pi : 0.0) - input.base.yaw);
   const double c = std::cos(input.base.yaw);
   const double s = std::sin(input.base.yaw);
   const double dx = input.hand.x() + offset.x() - input.base.x;

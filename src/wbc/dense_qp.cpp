@@ -134,8 +134,8 @@ QpStatus DenseQp::solve(const QpProblem& problem, QpSolution& out) noexcept {
   impl.fix_variables();
   impl.place_bounds();
   impl.place_rows();
-  const auto status = impl.solver.solve_quadprog(impl.reduced.H, impl.reduced.g, impl.no_rows, impl.no_values, impl.G,
-                                                 impl.h, out.x);
+  const auto status =
+      impl.solver.solve_quadprog(impl.reduced.H, impl.reduced.g, impl.no_rows, impl.no_values, impl.G, impl.h, out.x);
   if (status != eiquadprog::solvers::RT_EIQUADPROG_OPTIMAL) {
     return QpStatus::Failed;
   }

@@ -10,9 +10,7 @@ namespace ajar {
 namespace {
 
 // Rim speed of the faster wheel.
-double wheel_load(const InputLimits& limits, double w, double v) {
-  return std::abs(v) + limits.half_track * std::abs(w);
-}
+double wheel_load(const InputLimits& limits, double w, double v) { return std::abs(v) + limits.half_track * std::abs(w); }
 
 // Acceleration range around the last command, moved into the range that must hold anyway.
 void set_bounds(InputBounds& bounds, int i, double last, double step, double low, double high, BindingLimit low_limit,
@@ -57,8 +55,7 @@ InputLimits make_input_limits(const RobotModel& model, const WbcConfig& config, 
   limits.base_moves = model.base_type() == BaseType::Differential;
   limits.period = period;
   // A range narrower than two margins keeps a tenth of itself on each side.
-  const JointVector margin =
-      (0.1 * (robot.position_upper - robot.position_lower)).cwiseMin(config.position_margin);
+  const JointVector margin = (0.1 * (robot.position_upper - robot.position_lower)).cwiseMin(config.position_margin);
   limits.position_lower = robot.position_lower + margin;
   limits.position_upper = robot.position_upper - margin;
   limits.speed_lower = InputVector::Zero(n + 2);
@@ -105,8 +102,7 @@ InputBounds input_bounds(const InputLimits& limits, const JointVector& q, const 
     const bool near_upper = up < limits.speed_upper[i];
     const bool near_lower = -down > limits.speed_lower[i];
     set_bounds(bounds, i, last[i], A * limits.period, std::max(limits.speed_lower[i], -down),
-               std::min(limits.speed_upper[i], up),
-               near_lower ? BindingLimit::JointPosition : BindingLimit::JointRate,
+               std::min(limits.speed_upper[i], up), near_lower ? BindingLimit::JointPosition : BindingLimit::JointRate,
                near_upper ? BindingLimit::JointPosition : BindingLimit::JointRate, BindingLimit::JointAcceleration);
   }
   for (int i = n; i < n + 2; ++i) {

@@ -38,9 +38,8 @@ PseudoInverse damped_pseudo_inverse(const HandJacobian& J, const InputVector& we
   out.squared_damping = squared_damping(out.sigma_min, damping);
   // Directions without any authority stay at rest instead of dividing by zero.
   const double floor = 1e-12 * std::max(eigen.eigenvalues()[5], 1e-12);
-  const Vector6d inverse =
-      (eigen.eigenvalues().array() > floor)
-          .select((eigen.eigenvalues().array() + out.squared_damping).max(floor).inverse(), 0.0);
+  const Vector6d inverse = (eigen.eigenvalues().array() > floor)
+                               .select((eigen.eigenvalues().array() + out.squared_damping).max(floor).inverse(), 0.0);
   const Eigen::Matrix<double, 6, 6> middle =
       eigen.eigenvectors() * inverse.asDiagonal() * eigen.eigenvectors().transpose() * scale.asDiagonal();
   const InverseJacobian weighted = A.transpose().lazyProduct(middle);

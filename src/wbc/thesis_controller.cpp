@@ -19,8 +19,8 @@ constexpr double kMissedSpeed = 5e-3;
 constexpr double kSlowedFactor = 0.999;
 
 // Largest factor k in [0, 1] with start + k·step inside lower … upper and the wheels' reach.
-double common_factor(const InputLimits& limits, const InputVector& lower, const InputVector& upper,
-                     const InputVector& start, const InputVector& step) {
+double common_factor(const InputLimits& limits, const InputVector& lower, const InputVector& upper, const InputVector& start,
+                     const InputVector& step) {
   double factor = 1.0;
   const auto hold = [&factor](double at, double change, double low, double high) {
     if (change > 0.0) {
@@ -43,11 +43,10 @@ double common_factor(const InputLimits& limits, const InputVector& lower, const 
 }
 
 bool is_usable(const WbcProblem& problem, int joints) {
-  return problem.kinematics != nullptr && problem.q != nullptr && problem.q->size() == joints &&
-         problem.q->allFinite() && problem.kinematics->J.cols() == joints + 2 && problem.kinematics->J.allFinite() &&
-         problem.kinematics->distance_jacobian.size() == joints + 2 &&
-         problem.kinematics->distance_jacobian.allFinite() && std::isfinite(problem.kinematics->distance) &&
-         problem.tangential.allFinite() && problem.correction.allFinite();
+  return problem.kinematics != nullptr && problem.q != nullptr && problem.q->size() == joints && problem.q->allFinite() &&
+         problem.kinematics->J.cols() == joints + 2 && problem.kinematics->J.allFinite() &&
+         problem.kinematics->distance_jacobian.size() == joints + 2 && problem.kinematics->distance_jacobian.allFinite() &&
+         std::isfinite(problem.kinematics->distance) && problem.tangential.allFinite() && problem.correction.allFinite();
 }
 
 }  // namespace
@@ -118,8 +117,8 @@ InputVector ThesisController::null_space_motion(const WbcProblem& problem) noexc
     }
     error = wrap_angle(yaw - reference.heading - (drive_sense_ < 0 ? std::numbers::pi : 0.0));
     if (!saturated_ && !config_.feed_forward) {
-      heading_integral_ = std::clamp(heading_integral_ + limits_.period * error, -config_.integral_max,
-                                     config_.integral_max);
+      heading_integral_ =
+          std::clamp(heading_integral_ + limits_.period * error, -config_.integral_max, config_.integral_max);
     }
     z[n] += config_.feed_forward ? reference.rate - config_.alpha2 * error
                                  : -config_.alpha2 * error - config_.alpha3 * heading_integral_;

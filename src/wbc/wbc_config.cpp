@@ -21,8 +21,8 @@ void check(const char* section, std::initializer_list<Range> ranges) {
   for (const Range& range : ranges) {
     if (!(range.value >= range.low && range.value <= range.high)) {
       std::ostringstream message;
-      message << section << '.' << range.key << " = " << range.value << ": must be in [" << range.low << ", "
-              << range.high << ']';
+      message << section << '.' << range.key << " = " << range.value << ": must be in [" << range.low << ", " << range.high
+              << ']';
       throw ConfigError(message.str());
     }
   }

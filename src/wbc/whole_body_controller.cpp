@@ -28,8 +28,8 @@ constexpr double kClearanceScale = 0.1;
 constexpr double kRegularisation = 1e-9;
 
 bool is_usable(const ClearanceRow& row, int joints) {
-  return row.row.size() == joints + 2 && row.row.allFinite() && std::isfinite(row.distance) &&
-         row.normal.allFinite() && row.point_on_obstacle.allFinite();
+  return row.row.size() == joints + 2 && row.row.allFinite() && std::isfinite(row.distance) && row.normal.allFinite() &&
+         row.point_on_obstacle.allFinite();
 }
 
 // A distance that is not a number may hide a wall: such a problem is refused as a whole.
@@ -46,22 +46,18 @@ bool is_usable(const WbcProblem& problem, int joints) {
   const Kinematics* kinematics = problem.kinematics;
   return kinematics != nullptr && problem.q != nullptr && problem.q->size() == joints && problem.q->allFinite() &&
          problem.measured.size() == joints + 2 && problem.measured.tail<2>().allFinite() &&
-         kinematics->J.cols() == joints + 2 && kinematics->J.allFinite() &&
-         kinematics->X_WE.translation().allFinite() && problem.tangential.allFinite() &&
-         problem.correction.allFinite() && problem.free_axis.allFinite() && std::isfinite(problem.free_axis_rate) &&
-         std::isfinite(problem.base.v) && std::isfinite(problem.base.w) &&
+         kinematics->J.cols() == joints + 2 && kinematics->J.allFinite() && kinematics->X_WE.translation().allFinite() &&
+         problem.tangential.allFinite() && problem.correction.allFinite() && problem.free_axis.allFinite() &&
+         std::isfinite(problem.free_axis_rate) && std::isfinite(problem.base.v) && std::isfinite(problem.base.w) &&
          problem.leaf_velocity_at_hand.allFinite() && problem.leaf_turn.allFinite() &&
          (problem.clearance == nullptr || is_usable(*problem.clearance, joints));
 }
 
 const ClearanceLimits& limits_of(const ClearanceConfig& config, ClearanceKind kind) {
   switch (kind) {
-    case ClearanceKind::Self:
-      return config.self;
-    case ClearanceKind::ArmWorld:
-      return config.arm_world;
-    default:
-      return config.base_world;
+    case ClearanceKind::Self: return config.self;
+    case ClearanceKind::ArmWorld: return config.arm_world;
+    default: return config.base_world;
   }
 }
 
@@ -110,9 +106,8 @@ void WholeBodyController::Impl::add_task(const WbcProblem& problem) {
   Eigen::Matrix<double, kTaskRows, 1> b = Eigen::Matrix<double, kTaskRows, 1>::Zero();
   A.block(0, 0, 6, n) = J.leftCols(n);
   // The rest of the base motion happens whatever is commanded now: measured, bounded against wild readings.
-  const Vector2d measured = problem.measured.tail<2>()
-                                .cwiseMax(2.0 * limits.speed_lower.tail<2>())
-                                .cwiseMin(2.0 * limits.speed_upper.tail<2>());
+  const Vector2d measured =
+      problem.measured.tail<2>().cwiseMax(2.0 * limits.speed_lower.tail<2>()).cwiseMin(2.0 * limits.speed_upper.tail<2>());
   A.block(0, n, 6, 2) = share * J.rightCols(2);
   A.col(kSpeedFactor).head<6>() = -problem.tangential;
   b.head<6>() = problem.correction - (1.0 - share) * (J.rightCols(2) * measured);
@@ -194,8 +189,7 @@ void WholeBodyController::Impl::add_clearance_rows(const WbcProblem& problem) {
     const ClearanceRow& row = problem.clearance->rows[static_cast<size_t>(i)];
     qp.C.row(qp.rows).head(n + 2) = row.row;
     if (row.obstacle >= 0 && row.obstacle == problem.leaf_obstacle) {
-      const Vector3d v_leaf =
-          problem.leaf_velocity_at_hand + problem.leaf_turn.cross(row.point_on_obstacle - hand);
+      const Vector3d v_leaf = problem.leaf_velocity_at_hand + problem.leaf_turn.cross(row.point_on_obstacle - hand);
       qp.C(qp.rows, kSpeedFactor) = -row.normal.dot(v_leaf);
     }
     qp.C(qp.rows, kSlack) = scaled_slack;
@@ -247,8 +241,7 @@ void WholeBodyController::Impl::read(const WbcProblem& problem, WbcSolution& out
   const HandJacobian& J = problem.kinematics->J;
   const Vector2d base = config.base_share * out.u.tail<2>() + (1.0 - config.base_share) * problem.measured.tail<2>();
   const Vector3d velocity = J.topLeftCorner(3, n) * out.u.head(n) + J.topRightCorner<3, 2>() * base;
-  out.residual =
-      (velocity - out.speed_factor * problem.tangential.head<3>() - problem.correction.head<3>()).norm();
+  out.residual = (velocity - out.speed_factor * problem.tangential.head<3>() - problem.correction.head<3>()).norm();
   if (out.residual > kMissedSpeed) {
     out.status = WbcStatus::Limited;
   } else if (out.speed_factor < kSlowedFactor) {

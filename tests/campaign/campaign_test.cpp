@@ -1,6 +1,7 @@
-// Strategy: the function that makes a run is replaced by one whose result is a function of the seed, with delays that scramble
-// the order of completion: rows must be in order, the same for every number of jobs, complete after a kill and a resume. Bad
-// files are refused with file, line, key, value and what is allowed. Real runs: run_test.cpp and the scenario tests.
+// Strategy: the function that makes a run is replaced by one whose result is a function of the seed, with delays that
+// scramble the order of completion: rows must be in order, the same for every number of jobs, complete after a kill and a
+// resume. Bad files are refused with file, line, key, value and what is allowed. Real runs: run_test.cpp and the scenario
+// tests.
 #include "ajar/campaign/campaign.hpp"
 
 #include <gtest/gtest.h>
@@ -76,7 +77,8 @@ TEST_F(CampaignTest, RowsAreInOrderAndTheSameForAnyNumberOfJobs) {
   (void)run_campaign(campaign, fake_run, options("four", 4));
   EXPECT_EQ(read(folder / "one/runs.csv"), read(folder / "four/runs.csv"));
   EXPECT_EQ(read(folder / "one/summary.json"), read(folder / "four/summary.json"));
-  const CsvTable table = read_csv(folder / "four/runs.csv", {{"run", "plant.grasp.stiffness", "belief.direction_error_deg"}, {"mechanism.type"}});
+  const CsvTable table = read_csv(folder / "four/runs.csv",
+                                  {{"run", "plant.grasp.stiffness", "belief.direction_error_deg"}, {"mechanism.type"}});
   ASSERT_EQ(table.rows, 24u);
   for (std::size_t i = 0; i < 24; ++i) {
     EXPECT_EQ(table.numbers.at("run")[i], static_cast<double>(i));
@@ -103,7 +105,8 @@ TEST_F(CampaignTest, SummaryCountsAsTheRowsSay) {
   EXPECT_EQ(all.opened, opened);
   EXPECT_EQ(all.opened_clean, clean);
   EXPECT_EQ(summary.reasons.at("goal_reached"), opened);
-  EXPECT_NEAR(all.metrics.at("peak_normal_force_free_N").max.value(), *std::max_element(stiffness.begin(), stiffness.end()), 1e-6);
+  EXPECT_NEAR(all.metrics.at("peak_normal_force_free_N").max.value(), *std::max_element(stiffness.begin(), stiffness.end()),
+              1e-6);
   EXPECT_NE(format_summary(summary).find("direction_error_below_30_deg"), std::string::npos);
   int split = 0;
   for (const GroupSummary& group : summary.groups) {
@@ -218,7 +221,8 @@ TEST_F(CampaignTest, AKeptScenarioGivesTheSameRunAgain) {
 
 TEST_F(CampaignTest, DoorTableGivesOneRunPerDoor) {
   const fs::path table = fs::path(AJAR_SOURCE_DIR) / "campaigns/doors.csv";
-  const Campaign campaign = load_campaign(write("[table]\nfrom = \"" + table.string() + "\"\n[base.limits]\nforce_N = 70\n"));
+  const Campaign campaign =
+      load_campaign(write("[table]\nfrom = \"" + table.string() + "\"\n[base.limits]\nforce_N = 70\n"));
   EXPECT_EQ(campaign.runs, static_cast<int>(list_doors(table).size()));
   const CampaignRun second = make_run(campaign, 1);
   EXPECT_EQ(second.scenario.mechanism.id, list_doors(table)[1]);
@@ -243,7 +247,8 @@ TEST_F(CampaignTest, NamesWhatIsWrongWithAFile) {
       ADD_FAILURE() << "accepted: " << text;
     } catch (const ConfigError& error) {
       for (const std::string& part : parts) {
-        EXPECT_NE(std::string(error.what()).find(part), std::string::npos) << "'" << error.what() << "' lacks '" << part << "'";
+        EXPECT_NE(std::string(error.what()).find(part), std::string::npos)
+            << "'" << error.what() << "' lacks '" << part << "'";
       }
       EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos) << error.what();
     }
@@ -256,13 +261,18 @@ TEST_F(CampaignTest, NamesWhatIsWrongWithAFile) {
   refuse("[sample]\ndraw = \"pull\"\n", {"runs: missing"});
   refuse("runs = 1\nseed = -1\n", {"c.toml:2:", "seed = -1"});
   refuse("runs = 1\n[sample]\ndraw = \"windows\"\n", {"c.toml:3:", "windows", "pull"});
-  refuse("runs = 1\n[sample]\ndraw = \"pull\"\n[sample.keys]\n\"belief.direction_error_deg\" = { uniform = [60, 0] }\n", {"c.toml:5:", "lower <= upper"});
-  refuse("runs = 1\n[sample]\ndraw = \"pull\"\n[sample.keys]\n\"plant.grasp.stiffness\" = { log_uniform = [0, 1] }\n", {"c.toml:5:", "0 < lower"});
-  refuse("runs = 1\n[sample]\ndraw = \"pull\"\n[sample.keys]\n\"plant.grasp.pivots\" = { chance = 2 }\n", {"c.toml:5:", "0 to 1"});
-  refuse("runs = 1\n[sample]\ndraw = \"pull\"\n[sample.keys]\n\"plant.grasp.pivots\" = { chance = 0.2, uniform = [0, 1] }\n", {"exactly one"});
+  refuse("runs = 1\n[sample]\ndraw = \"pull\"\n[sample.keys]\n\"belief.direction_error_deg\" = { uniform = [60, 0] }\n",
+         {"c.toml:5:", "lower <= upper"});
+  refuse("runs = 1\n[sample]\ndraw = \"pull\"\n[sample.keys]\n\"plant.grasp.stiffness\" = { log_uniform = [0, 1] }\n",
+         {"c.toml:5:", "0 < lower"});
+  refuse("runs = 1\n[sample]\ndraw = \"pull\"\n[sample.keys]\n\"plant.grasp.pivots\" = { chance = 2 }\n",
+         {"c.toml:5:", "0 to 1"});
+  refuse("runs = 1\n[sample]\ndraw = \"pull\"\n[sample.keys]\n\"plant.grasp.pivots\" = { chance = 0.2, uniform = [0, 1] }\n",
+         {"exactly one"});
   refuse("runs = 1\n[sample]\ndraw = \"pull\"\n[sample.keys]\n\"plant.grasp.stifness\" = { uniform = [5e3, 6e3] }\n",
          {"c.toml:5:", "plant.grasp.stifness", "plant.grasp.stiffness"});
-  refuse("runs = 1\n[sample]\ndraw = \"pull\"\n[base.goal]\nopening_dge = 90\n", {"c.toml:5:", "opening_dge", "opening_deg"});
+  refuse("runs = 1\n[sample]\ndraw = \"pull\"\n[base.goal]\nopening_dge = 90\n",
+         {"c.toml:5:", "opening_dge", "opening_deg"});
   refuse("runs = 1\n[sample]\ndraw = \"pull\"\n[base.goal]\nopening_deg = -90\n", {"c.toml:5:", "opening_deg = -90"});
   refuse("runs = 1\n[base.goal]\nopening_deg = 90\n", {"mechanism"});
   refuse("runs = 1\n[table]\nids = \"all\"\n", {"c.toml:2:", "table.from", "missing"});

@@ -126,7 +126,7 @@ TEST(Judge, SplitsForceIntoPullAndNormalOverTwentyMilliseconds) {
   const RunResult result = judge.finish(end_of(false));
   EXPECT_NEAR(result.peak_normal_force.value(), 13.0, 1e-9);  // (9 · 3 + 103) / 10
   EXPECT_NEAR(result.peak_normal_force_free.value(), 13.0, 1e-9);
-  EXPECT_NEAR(result.mean_normal_force.value(), 4.0, 1e-9);   // 3 + 100 / 100
+  EXPECT_NEAR(result.mean_normal_force.value(), 4.0, 1e-9);  // 3 + 100 / 100
   EXPECT_NEAR(result.peak_pull_force.value(), 7.0, 1e-9);
   EXPECT_NEAR(result.peak_torque.value(), 4.0, 1e-9);
   EXPECT_FALSE(result.stop_force.has_value());
@@ -310,7 +310,8 @@ TEST(Judge, WhatDidNotHappenIsNotMadeUp) {
   scene.show(judge);
   const RunResult result = judge.finish(end_of(false));
   for (const ResultField& field : result_fields(result)) {
-    for (const char* name : {"peak_normal_force_N", "open_duration_s", "distance_min_m", "direction_error_final_rad", "stop_force_N"}) {
+    for (const char* name :
+         {"peak_normal_force_N", "open_duration_s", "distance_min_m", "direction_error_final_rad", "stop_force_N"}) {
       if (field.name == name) {
         EXPECT_EQ(csv_cell(field), "") << name;
       }

@@ -12,13 +12,44 @@ namespace {
 
 TEST(RunResult, HasEveryKeyThatReadersRelyOn) {
   const std::string json = to_json(RunResult{});
-  for (const char* key :
-       {"outcome", "phase", "reason", "mechanism_type_true", "mechanism_type_estimated", "opening", "opening_fraction", "duration_s",
-        "open_duration_s", "handle_travel_m", "peak_normal_force_N", "mean_normal_force_N", "peak_pull_force_N", "peak_torque_Nm",
-        "peak_probe_force_N", "unwanted_contact_count", "unwanted_contacts", "min_clearance_m", "path_error_max_m", "distance_min_m",
-        "distance_max_m", "heading_error_rms_rad", "heading_error_max_rad", "min_singular_value", "direction_error_final_rad",
-        "curvature_error_final_per_m", "curvature_sigma_final_per_m", "limit_violations", "nonfinite_commands", "missed_ticks", "tick_us",
-        "p50", "p99", "p999", "max", "real_time_factor", "seed", "version"}) {
+  for (const char* key : {"outcome",
+                          "phase",
+                          "reason",
+                          "mechanism_type_true",
+                          "mechanism_type_estimated",
+                          "opening",
+                          "opening_fraction",
+                          "duration_s",
+                          "open_duration_s",
+                          "handle_travel_m",
+                          "peak_normal_force_N",
+                          "mean_normal_force_N",
+                          "peak_pull_force_N",
+                          "peak_torque_Nm",
+                          "peak_probe_force_N",
+                          "unwanted_contact_count",
+                          "unwanted_contacts",
+                          "min_clearance_m",
+                          "path_error_max_m",
+                          "distance_min_m",
+                          "distance_max_m",
+                          "heading_error_rms_rad",
+                          "heading_error_max_rad",
+                          "min_singular_value",
+                          "direction_error_final_rad",
+                          "curvature_error_final_per_m",
+                          "curvature_sigma_final_per_m",
+                          "limit_violations",
+                          "nonfinite_commands",
+                          "missed_ticks",
+                          "tick_us",
+                          "p50",
+                          "p99",
+                          "p999",
+                          "max",
+                          "real_time_factor",
+                          "seed",
+                          "version"}) {
     std::string quoted(1, '"');
     quoted.append(key).append("\":");
     EXPECT_NE(json.find(quoted), std::string::npos) << key;
@@ -47,7 +78,8 @@ TEST(RunResult, NotFiniteIsNotApplicable) {
 
 TEST(RunResult, FiguresThatDependOnTheComputerStandLast) {
   const auto fields = result_fields(RunResult{});
-  const auto first = std::find_if(fields.begin(), fields.end(), [](const ResultField& f) { return f.name == "missed_ticks"; });
+  const auto first =
+      std::find_if(fields.begin(), fields.end(), [](const ResultField& f) { return f.name == "missed_ticks"; });
   ASSERT_NE(first, fields.end());
   for (auto field = first + 1; field != fields.end(); ++field) {
     EXPECT_TRUE(field->name.rfind("tick_us", 0) == 0 || field->name == "real_time_factor") << field->name;

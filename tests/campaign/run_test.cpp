@@ -1,5 +1,5 @@
-// Strategy: start pose and guess by geometry; the loop with a blind plant that records what it is told, so that a mission ends
-// at once for a known reason: files complete, same seed same bytes, stop flag, nothing half-made when the set-up fails.
+// Strategy: start pose and guess by geometry; the loop with a blind plant that records what it is told, so that a mission
+// ends at once for a known reason: files complete, same seed same bytes, stop flag, nothing half-made when the set-up fails.
 // Missions that open something: the scenario tests.
 #include "ajar/campaign/run.hpp"
 
@@ -95,7 +95,8 @@ TEST_F(RunTest, WritesACompleteFolderAndTheSameBytesAgain) {
     EXPECT_NEAR(static_cast<double>(log.rows) * scenario.mission.period, result.duration, 1e-6);
     EXPECT_EQ(log.texts.at("status").back(), result.reason);
   }
-  for (const char* file : {"scenario.toml", "log.csv", "scene.json"}) EXPECT_EQ(read(folder / "a" / file), read(folder / "b" / file)) << file;
+  for (const char* file : {"scenario.toml", "log.csv", "scene.json"})
+    EXPECT_EQ(read(folder / "a" / file), read(folder / "b" / file)) << file;
 }
 
 TEST_F(RunTest, LogHasEveryColumnThatReadersRelyOn) {
@@ -103,11 +104,14 @@ TEST_F(RunTest, LogHasEveryColumnThatReadersRelyOn) {
   options.folder = folder;
   (void)run_mission(scenario, make_blind, options);
   const CsvTable log = read_csv(folder / "log.csv", {});
-  std::vector<std::string> names{"time", "phase", "status", "base_x", "base_y", "base_yaw", "base_v", "base_w", "gripper", "distance",
-                                 "heading_error", "sigma_min", "est_dir_sigma", "est_curv_sigma", "est_type", "cmd_v", "cmd_w",
-                                 "solver_status", "tick_us", "true_opening", "true_base_x", "true_base_y", "true_base_yaw",
-                                 "hand_qw", "hand_qx", "hand_qy", "hand_qz", "ref_vx", "ref_vy", "ref_vz", "ref_wx", "ref_wy", "ref_wz"};
-  for (const char* prefix : {"force", "torque", "hand", "est_dir", "est_curv", "true_hand", "true_handle", "true_dir", "true_curv", "true_force"}) {
+  std::vector<std::string> names{
+      "time",        "phase",         "status",   "base_x",        "base_y",    "base_yaw",      "base_v",
+      "base_w",      "gripper",       "distance", "heading_error", "sigma_min", "est_dir_sigma", "est_curv_sigma",
+      "est_type",    "cmd_v",         "cmd_w",    "solver_status", "tick_us",   "true_opening",  "true_base_x",
+      "true_base_y", "true_base_yaw", "hand_qw",  "hand_qx",       "hand_qy",   "hand_qz",       "ref_vx",
+      "ref_vy",      "ref_vz",        "ref_wx",   "ref_wy",        "ref_wz"};
+  for (const char* prefix : {"force", "torque", "hand", "est_dir", "est_curv", "true_hand", "true_handle", "true_dir",
+                             "true_curv", "true_force"}) {
     for (const char* axis : {"_x", "_y", "_z"}) names.push_back(std::string(prefix) + axis);
   }
   for (const char* prefix : {"q", "dq", "cmd_dq"}) {

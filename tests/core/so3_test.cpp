@@ -90,7 +90,8 @@ TEST(So3, PerpendicularIsUnitAndPerpendicular) {
     EXPECT_NEAR(p.norm(), 1.0, 1e-12);
     EXPECT_NEAR(p.dot(v.normalized()), 0.0, 1e-12);
   }
-  for (int axis = 0; axis < 3; ++axis) EXPECT_NEAR(any_perpendicular(Vector3d::Unit(axis)).dot(Vector3d::Unit(axis)), 0.0, 1e-15);
+  for (int axis = 0; axis < 3; ++axis)
+    EXPECT_NEAR(any_perpendicular(Vector3d::Unit(axis)).dot(Vector3d::Unit(axis)), 0.0, 1e-15);
 }
 
 }  // namespace

@@ -52,8 +52,8 @@ TEST(Curve, DerivativeByCurvatureEqualsDifferences) {
   }
 }
 
-// The nonlinear operation behind curve_transport: disturb the path at its anchor, walk it to the plane across the new nominal
-// tangent, and read the nine errors there.
+// The nonlinear operation behind curve_transport: disturb the path at its anchor, walk it to the plane across the new
+// nominal tangent, and read the nine errors there.
 Vector9d walked_errors(const Vector2d& kap0, double ds, const Vector9d& d) {
   const Matrix3d F1 = exp_so3(ds * local_curvature(kap0));
   const Vector3d p1 = curve_at(kap0, ds).q;
@@ -87,8 +87,10 @@ TEST(CurveTransport, EqualsDifferencesOfTheWalkedPath) {
       const Matrix9d T = curve_transport(kap, ds);
       for (int j = 0; j < 9; ++j) {
         const double h = 1e-5;
-        const Vector9d difference = (walked_errors(kap, ds, h * Vector9d::Unit(j)) - walked_errors(kap, ds, -h * Vector9d::Unit(j))) / (2.0 * h);
-        EXPECT_LT((difference - T.col(j)).norm(), 1e-8 * std::max(1.0, T.col(j).norm())) << "kap " << kap.transpose() << " ds " << ds << " column " << j;
+        const Vector9d difference =
+            (walked_errors(kap, ds, h * Vector9d::Unit(j)) - walked_errors(kap, ds, -h * Vector9d::Unit(j))) / (2.0 * h);
+        EXPECT_LT((difference - T.col(j)).norm(), 1e-8 * std::max(1.0, T.col(j).norm()))
+            << "kap " << kap.transpose() << " ds " << ds << " column " << j;
       }
     }
   }

@@ -1,6 +1,6 @@
-// Strategy: the set-up of the stability proof in closed form. A rigid grasp on a hinge with perfect velocity tracking makes the
-// reference parallel to the true motion; the true x and k are known at each instant. The Lyapunov function must fall, the
-// linearised error must decay at the placed bandwidth at any speed, and the sign as printed in the source must diverge.
+// Strategy: the set-up of the stability proof in closed form. A rigid grasp on a hinge with perfect velocity tracking makes
+// the reference parallel to the true motion; the true x and k are known at each instant. The Lyapunov function must fall,
+// the linearised error must decay at the placed bandwidth at any speed, and the sign as printed in the source must diverge.
 #include "ajar/estimation/direction_law.hpp"
 
 #include <gtest/gtest.h>
@@ -84,7 +84,8 @@ TEST(AdaptiveLaw, LeakRemovesCurvatureAlongTheMotion) {
 
 TEST(AdaptiveLaw, KeepsTheEstimateOnNaN) {
   const DirectionState state;
-  const DirectionState next = step_adaptive_law(state, Vector3d::Constant(std::nan("")), 0.05, adaptive_gains(1.5, 1.0, 0.05), kDt);
+  const DirectionState next =
+      step_adaptive_law(state, Vector3d::Constant(std::nan("")), 0.05, adaptive_gains(1.5, 1.0, 0.05), kDt);
   EXPECT_EQ(next.x, state.x);
   EXPECT_EQ(next.k, state.k);
 }

@@ -1,7 +1,7 @@
 // Strategy: the whole estimator in a closed loop with a handle on a path that is known exactly, behind a grasp spring with
-// friction, moved by the force/velocity law (pulled_handle.hpp). Judged: direction, curvature, type, angle and honesty against
-// that truth; that a pivoting grip is noticed; that bad input changes nothing; that a tick neither allocates nor takes long.
-// Left out: dynamics of arm and base, which belong to the plants.
+// friction, moved by the force/velocity law (pulled_handle.hpp). Judged: direction, curvature, type, angle and honesty
+// against that truth; that a pivoting grip is noticed; that bad input changes nothing; that a tick neither allocates nor
+// takes long. Left out: dynamics of arm and base, which belong to the plants.
 #include "ajar/estimation/mechanism_estimator.hpp"
 
 #include <gtest/gtest.h>
@@ -84,9 +84,10 @@ TEST(MechanismEstimator, LearnsHingesAndSlidesFromAWrongGuess) {
     EXPECT_EQ(e.alarms, 0);
     pivots += e.rigid_grasp ? 0 : 1;
   }
-  std::printf("direction at 20 cm p50 %.2f p90 %.2f deg; curvature at 40 cm p50 %.3f p90 %.3f 1/m; inside 2 sigma %d of %d\n",
-              percentile(direction, 0.5) / kDegree, percentile(direction, 0.9) / kDegree, percentile(curvature, 0.5),
-              percentile(curvature, 0.9), inside, total);
+  std::printf(
+      "direction at 20 cm p50 %.2f p90 %.2f deg; curvature at 40 cm p50 %.3f p90 %.3f 1/m; inside 2 sigma %d of %d\n",
+      percentile(direction, 0.5) / kDegree, percentile(direction, 0.9) / kDegree, percentile(curvature, 0.5),
+      percentile(curvature, 0.9), inside, total);
   EXPECT_LT(percentile(direction, 0.9), 1.5 * kDegree);
   EXPECT_LT(percentile(curvature, 0.9), 0.08);
   EXPECT_GE(inside, static_cast<int>(0.88 * total));

@@ -1,6 +1,6 @@
-// Strategy: Monte Carlo on paths that are exactly circles or lines, with errors drawn from the stated noise model, against the
-// Cramér-Rao bound of the same model (computed in tracks.hpp with dense matrices): the filter must neither be worse than the
-// bound nor claim more than it knows. Faults (rest, slip, outliers, wrong noise level, NaN) are injected one at a time.
+// Strategy: Monte Carlo on paths that are exactly circles or lines, with errors drawn from the stated noise model, against
+// the Cramér-Rao bound of the same model (computed in tracks.hpp with dense matrices): the filter must neither be worse than
+// the bound nor claim more than it knows. Faults (rest, slip, outliers, wrong noise level, NaN) are injected one at a time.
 // Left out: real tracks, and noise whose correlation length is wrong (it cannot be learnt on line).
 #include "ajar/estimation/path_filter.hpp"
 
@@ -36,7 +36,8 @@ struct Cell {
 };
 
 // Runs one path and compares at each length.
-void run_track(double radius, bool rotation, Random& rng, const std::array<Matrix9d, 5>& bounds, std::array<Cell, 5>& cells) {
+void run_track(double radius, bool rotation, Random& rng, const std::array<Matrix9d, 5>& bounds,
+               std::array<Cell, 5>& cells) {
   const PoseNoise noise = robot_noise();
   const TruePath path = test::random_path(radius, rng);
   Measured measured(path, noise, rng);
@@ -81,8 +82,8 @@ void check_bound(bool rotation) {
       const double direction = std::sqrt(cell.direction2 / cell.runs);
       const double curvature = std::sqrt(cell.curvature2 / cell.runs);
       const double coverage = static_cast<double>(cell.inside) / cell.total;
-      std::printf("r %.1f, %.2f m: direction %.2f, curvature %.2f of the bound, coverage %.3f\n", radius, kLengths[i], direction,
-                  curvature, coverage);
+      std::printf("r %.1f, %.2f m: direction %.2f, curvature %.2f of the bound, coverage %.3f\n", radius, kLengths[i],
+                  direction, curvature, coverage);
       EXPECT_EQ(cell.runs, kRuns);
       // 60 runs of two components scatter by 9 %; below 1 at the start because the prior is right by construction.
       EXPECT_LT(direction, 1.3);

@@ -10,24 +10,29 @@ namespace ajar::test {
 
 /// How a handle is pulled.
 struct Pull {
-  double radius = 0.6;            ///< 0 for a slide [m]
-  double guess_error = 0.0;       ///< Of the direction, about a random axis [rad]
-  double stiffness = 1e4;         ///< Of the grasp [N/m]
-  double resistance = 10.0;       ///< Friction at the handle [N]
-  double speed = 0.1;             ///< Cruise [m/s]
-  double follow = 1.0;            ///< Share of the turning that the hand follows
-  double dt = 0.002;              ///< [s]
-  double length = 0.45;           ///< Arc at which the run ends [m]
-  double base_gain = 0.0;         ///< Base travel per handle travel [-]
+  double radius = 0.6;       ///< 0 for a slide [m]
+  double guess_error = 0.0;  ///< Of the direction, about a random axis [rad]
+  double stiffness = 1e4;    ///< Of the grasp [N/m]
+  double resistance = 10.0;  ///< Friction at the handle [N]
+  double speed = 0.1;        ///< Cruise [m/s]
+  double follow = 1.0;       ///< Share of the turning that the hand follows
+  double dt = 0.002;         ///< [s]
+  double length = 0.45;      ///< Arc at which the run ends [m]
+  double base_gain = 0.0;    ///< Base travel per handle travel [-]
 };
 
-/// A handle on a true path behind a grasp spring, quasi-static with friction; the hand is moved by the force/velocity law with
-/// the estimator's own direction. Sensors: pose errors of the noise model, 0.4 N force noise and 0.5 N bias.
+/// A handle on a true path behind a grasp spring, quasi-static with friction; the hand is moved by the force/velocity law
+/// with the estimator's own direction. Sensors: pose errors of the noise model, 0.4 N force noise and 0.5 N bias.
 class PulledHandle {
  public:
   PulledHandle(const Pull& pull, const EstimatorConfig& config, Random& rng)
-      : estimator(config), path(random_path(pull.radius, rng)), pull_(pull), rng_(rng), measured_(path, config.noise, rng),
-        hand_(path.origin), bias_(0.5 * rng.direction()) {
+      : estimator(config),
+        path(random_path(pull.radius, rng)),
+        pull_(pull),
+        rng_(rng),
+        measured_(path, config.noise, rng),
+        hand_(path.origin),
+        bias_(0.5 * rng.direction()) {
     Vector3d axis = rng.direction();
     axis = (axis - path.F.col(0) * path.F.col(0).dot(axis)).normalized();
     Pose pose = Pose::Identity();

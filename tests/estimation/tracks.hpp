@@ -41,7 +41,11 @@ inline TruePath random_path(double radius, Random& rng) {
 class Measured {
  public:
   Measured(const TruePath& path, const PoseNoise& noise, Random& rng)
-      : path_(path), noise_(noise), rng_(rng), b_(rng.normal3(noise.position_correlated)), c_(rng.normal3(noise.rotation_correlated)) {}
+      : path_(path),
+        noise_(noise),
+        rng_(rng),
+        b_(rng.normal3(noise.position_correlated)),
+        c_(rng.normal3(noise.rotation_correlated)) {}
 
   /// @param follow  Share of the mechanism's turning that the hand follows: 1 rigid grasp, 0 pivot.
   PathSample at(double s, double follow = 1.0) {
@@ -76,7 +80,8 @@ inline Vector4d own_gauge_error(const PathOutput& out, const TruePath& path, dou
 
 /// Cramér-Rao covariance of the nine curve parameters at the newest of n poses spaced evenly over `length`, arc positions
 /// unknown: the tangential residual fixes them and enters the rotation along k.
-inline Matrix9d cramer_rao(const Vector2d& kap, double length, double spacing, const PoseNoise& n, bool rotation, double prior) {
+inline Matrix9d cramer_rao(const Vector2d& kap, double length, double spacing, const PoseNoise& n, bool rotation,
+                           double prior) {
   const int count = static_cast<int>(std::floor(length / spacing + 1e-9)) + 1;
   const Vector3d kl = local_curvature(kap);
   const double kappa = kap.norm();

@@ -11,7 +11,7 @@ namespace {
 const Eigen::Matrix2d kUnit = Eigen::Matrix2d::Identity();
 
 TEST(TypeDecision, SureCurvatureIsAHinge) {
-  EXPECT_EQ(decide_type({0.0, 1.2}, 0.01 * kUnit, {}), MechanismType::Hinge);   // D_s = 1.44/0.0125
+  EXPECT_EQ(decide_type({0.0, 1.2}, 0.01 * kUnit, {}), MechanismType::Hinge);  // D_s = 1.44/0.0125
   EXPECT_EQ(decide_type({-0.9, 0.8}, 0.01 * kUnit, {}), MechanismType::Hinge);
 }
 

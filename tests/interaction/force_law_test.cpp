@@ -141,15 +141,14 @@ TEST(ForceLaw, LeavesTheFreeAxisOfTheGripAlone) {
   const Vector3d turn = law.step(wrench, kAlong, Vector3d::UnitZ()).turn;
   EXPECT_NEAR(turn.z(), 0.0, 1e-15);
   EXPECT_NEAR(turn.x() / turn.y(), -1.5, 1e-12);
-  EXPECT_LE(law.step({Vector3d::Zero(), Vector3d(100.0, 0.0, 0.0)}, kAlong, kNoAxis).turn.norm(),
-            config.turn_max + 1e-15);
+  EXPECT_LE(law.step({Vector3d::Zero(), Vector3d(100.0, 0.0, 0.0)}, kAlong, kNoAxis).turn.norm(), config.turn_max + 1e-15);
 }
 
 TEST(ForceLaw, AnswersNonsenseWithNothing) {
   ForceLaw law({}, kPeriod, 0.0);
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  for (const HandWrench& wrench : {HandWrench{Vector3d(nan, 0.0, 0.0), Vector3d::Zero()},
-                                   HandWrench{Vector3d::Zero(), Vector3d(0.0, nan, 0.0)}}) {
+  for (const HandWrench& wrench :
+       {HandWrench{Vector3d(nan, 0.0, 0.0), Vector3d::Zero()}, HandWrench{Vector3d::Zero(), Vector3d(0.0, nan, 0.0)}}) {
     const ForceCorrection out = law.step(wrench, kAlong, kNoAxis);
     EXPECT_EQ(out.velocity.norm(), 0.0);
     EXPECT_EQ(out.turn.norm(), 0.0);

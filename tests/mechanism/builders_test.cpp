@@ -126,7 +126,8 @@ TEST(Builders, SlabInertiaIsThatOfALeafThatHangsAtItsEdge) {
 
 TEST(Builders, CloserSizesCloseWithinTheirBandAndOpenBelowTheirMaximum) {
   // EN 1154: closing moment 0-4 deg (lower, upper) and largest opening moment [N m].
-  const double bands[7][3] = {{9, 13, 26}, {13, 18, 36}, {18, 26, 47}, {26, 37, 62}, {37, 54, 83}, {54, 87, 134}, {87, 140, 215}};
+  const double bands[7][3] = {{9, 13, 26},  {13, 18, 36},  {18, 26, 47},  {26, 37, 62},
+                              {37, 54, 83}, {54, 87, 134}, {87, 140, 215}};
   for (int size = 1; size <= 7; ++size) {
     MechanismConfig config;
     config.closer_size = size;
@@ -186,7 +187,8 @@ TEST(DoorTable, EveryDoorMovesItsGripAsItsRowSays) {
   ASSERT_EQ(ids.size(), 40u);
   for (const std::string& id : ids) {
     const Mechanism m = load_door(doors_csv(), id);
-    const Vector3d expected(std::stod(cell(id, "grip_dir_x")), std::stod(cell(id, "grip_dir_y")), std::stod(cell(id, "grip_dir_z")));
+    const Vector3d expected(std::stod(cell(id, "grip_dir_x")), std::stod(cell(id, "grip_dir_y")),
+                            std::stod(cell(id, "grip_dir_z")));
     EXPECT_LT((handle_motion(m, 0.0).direction - expected).norm(), 2e-4) << id;  // five digits in the table
     if (m.kind == JointKind::Hinge) {
       EXPECT_NEAR(handle_motion(m, 0.0).radius, std::stod(cell(id, "grip_radius_m")), 2e-4) << id;
@@ -259,7 +261,8 @@ class BrokenTable : public testing::Test {
     std::string row;
     std::getline(in, header);
     std::getline(in, row);
-    std::size_t skip = static_cast<std::size_t>(std::count(header.begin(), header.begin() + static_cast<std::ptrdiff_t>(("," + header).find("," + column + ",")), ','));
+    std::size_t skip = static_cast<std::size_t>(std::count(
+        header.begin(), header.begin() + static_cast<std::ptrdiff_t>(("," + header).find("," + column + ",")), ','));
     std::size_t from = 0;
     while (skip-- > 0) from = row.find(',', from) + 1;
     row.replace(from, row.find(',', from) - from, value);

@@ -39,8 +39,7 @@ TEST(Mechanism, HandleMovesAlongItsDirectionAtItsRadius) {
     const Mechanism m = random_mechanism(random);
     const double q = random.uniform(0.0, 2.0);
     const HandleMotion motion = handle_motion(m, q);
-    const Vector3d velocity =
-        (handle_motion(m, q + kStep).position - handle_motion(m, q - kStep).position) / (2.0 * kStep);
+    const Vector3d velocity = (handle_motion(m, q + kStep).position - handle_motion(m, q - kStep).position) / (2.0 * kStep);
     EXPECT_LT((velocity - motion.radius * motion.direction).norm(), 1e-8);
     EXPECT_NEAR(motion.direction.norm(), 1.0, 1e-12);
     EXPECT_LT((motion.position - leaf_motion(m, q) * m.handle.position).norm(), 1e-12);
@@ -139,7 +138,8 @@ TEST(Mechanism, BadValuesAreNamedWithFieldAndRule) {
       {"closer.moment: -2", [](Mechanism& m) { m.closer.moment = -2.0; }},
       {"handle.normal", [](Mechanism& m) { m.handle.normal *= 2.0; }},
       {"distance handle - axis: 0", [](Mechanism& m) { m.handle.position = m.point; }},
-      {"handle.position: (0.8, 0, 1): allowed: outside of walls", [](Mechanism& m) {
+      {"handle.position: (0.8, 0, 1): allowed: outside of walls",
+       [](Mechanism& m) {
          m.world.emplace_back();
          m.world.back().pose.translation() = Vector3d(0.9, 0.0, 1.0);
        }},

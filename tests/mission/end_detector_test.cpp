@@ -20,7 +20,8 @@ MechanismEstimate travelled(double arc, MechanismType type = MechanismType::Unkn
 }
 
 // Feeds the same input until a verdict falls; returns it and the time that it took.
-std::pair<Verdict, double> hold(EndDetector& ends, const EndInput& input, const MechanismEstimate& estimate, double longest) {
+std::pair<Verdict, double> hold(EndDetector& ends, const EndInput& input, const MechanismEstimate& estimate,
+                                double longest) {
   for (double t = 0.0; t < longest; t += input.dt) {
     const Verdict verdict = ends.step(input, estimate);
     if (verdict != Verdict::Going) return {verdict, t};
@@ -37,7 +38,8 @@ TEST(EndDetector, FeelsAStopWhenForceRisesOverTheRunningForce) {
 
 TEST(EndDetector, DoesNotTakeAHeavyCloserForAStop) {
   EndDetector ends(EndConfig{}, GoalConfig{.to_the_stop = true}, 45.0);
-  EXPECT_EQ(hold(ends, {.speed = 0.0, .pull_force = 43.0, .running_force = 40.0}, travelled(0.3), 10.0).first, Verdict::TooHeavy);
+  EXPECT_EQ(hold(ends, {.speed = 0.0, .pull_force = 43.0, .running_force = 40.0}, travelled(0.3), 10.0).first,
+            Verdict::TooHeavy);
 }
 
 TEST(EndDetector, AStandstillNearTheStartIsBlocked) {
@@ -47,9 +49,11 @@ TEST(EndDetector, AStandstillNearTheStartIsBlocked) {
 
 TEST(EndDetector, AStandstillWithoutForceIsStalledOrHeldByAClearance) {
   EndDetector ends(EndConfig{}, GoalConfig{}, 45.0);
-  EXPECT_EQ(hold(ends, {.speed = 0.0, .pull_force = 2.0, .running_force = 2.0}, travelled(0.2), 20.0).first, Verdict::Stalled);
+  EXPECT_EQ(hold(ends, {.speed = 0.0, .pull_force = 2.0, .running_force = 2.0}, travelled(0.2), 20.0).first,
+            Verdict::Stalled);
   ends.reset();
-  const EndInput held{.speed = 0.0, .pull_force = 2.0, .running_force = 2.0, .speed_factor = 0.0, .binding = BindingLimit::Clearance};
+  const EndInput held{
+      .speed = 0.0, .pull_force = 2.0, .running_force = 2.0, .speed_factor = 0.0, .binding = BindingLimit::Clearance};
   EXPECT_EQ(hold(ends, held, travelled(0.2), 20.0).first, Verdict::ClearanceStop);
 }
 
@@ -73,7 +77,8 @@ TEST(EndDetector, ASlideReachesItsLength) {
 
 TEST(EndDetector, MotionIsNeverAnEnd) {
   EndDetector ends(EndConfig{}, GoalConfig{.to_the_stop = true}, 45.0);
-  EXPECT_EQ(hold(ends, {.speed = 0.05, .pull_force = 44.0, .running_force = 5.0}, travelled(0.3), 20.0).first, Verdict::Going);
+  EXPECT_EQ(hold(ends, {.speed = 0.05, .pull_force = 44.0, .running_force = 5.0}, travelled(0.3), 20.0).first,
+            Verdict::Going);
 }
 
 }  // namespace

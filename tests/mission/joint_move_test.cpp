@@ -1,4 +1,5 @@
-// Strategy: a perfect servo and one with a lag follow polylines; rates, accelerations and the end posture are checked on the way.
+// Strategy: a perfect servo and one with a lag follow polylines; rates, accelerations and the end posture are checked on the
+// way.
 #include "ajar/mission/joint_move.hpp"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
-// Strategy: the believed wall and leaf are compared with the geometry of a known hinge in closed form: where the axis is, the
-// latch edge beyond the handle, a right-handed frame for every heading.
+// Strategy: the believed wall and leaf are compared with the geometry of a known hinge in closed form: where the axis is,
+// the latch edge beyond the handle, a right-handed frame for every heading.
 #include "ajar/mission/scene_belief.hpp"
 
 #include <gtest/gtest.h>
@@ -10,7 +10,6 @@
 
 namespace ajar {
 namespace {
-
 
 TEST(SceneBelief, KeepsTheCameraNormalUntilTheFitIsSure) {
   HandleBelief belief;

@@ -1,5 +1,5 @@
-// Strategy: the arc in closed form against many small straight steps, at, below and above the switch to the series; wheel speeds by
-// the rolling condition of each wheel.
+// Strategy: the arc in closed form against many small straight steps, at, below and above the switch to the series; wheel
+// speeds by the rolling condition of each wheel.
 #include <gtest/gtest.h>
 
 #include <cmath>

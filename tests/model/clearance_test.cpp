@@ -1,7 +1,7 @@
-// Strategy: distances against an independent search (the distance of a point on a segment to a convex box is convex along the
-// segment), rows against central differences of the distances themselves, signs and penetration on a toy robot with closed forms.
-// Where two different points are equally near the distance has a kink; there the one-sided differences disagree and the row is
-// compared with neither, but such states must be rare.
+// Strategy: distances against an independent search (the distance of a point on a segment to a convex box is convex along
+// the segment), rows against central differences of the distances themselves, signs and penetration on a toy robot with
+// closed forms. Where two different points are equally near the distance has a kink; there the one-sided differences
+// disagree and the row is compared with neither, but such states must be rare.
 #include "ajar/model/clearance.hpp"
 
 #include <gtest/gtest.h>
@@ -43,7 +43,8 @@ Box random_box(std::mt19937_64& rng) {
   std::uniform_real_distribution<double> place(-1.0, 1.0), size(0.05, 0.5), angle(-3.0, 3.0);
   Box box;
   box.pose.translation() = Vector3d(place(rng), place(rng), 1.0 + 0.6 * place(rng));
-  box.pose.linear() = (Eigen::AngleAxisd(angle(rng), Vector3d::UnitZ()) * Eigen::AngleAxisd(angle(rng), Vector3d::UnitX())).toRotationMatrix();
+  box.pose.linear() = (Eigen::AngleAxisd(angle(rng), Vector3d::UnitZ()) * Eigen::AngleAxisd(angle(rng), Vector3d::UnitX()))
+                          .toRotationMatrix();
   box.half_extents = Vector3d(size(rng), 0.2 * size(rng), size(rng));
   return box;
 }
@@ -51,8 +52,10 @@ Box random_box(std::mt19937_64& rng) {
 // A ball of radius 0.1 on a slide along x, 1 m above a base box of 0.4 m.
 RobotModel ball_on_a_slide(const std::string& base = "differential") {
   const std::string urdf =
-      "<robot name='ball'><link name='base_link'><collision><origin xyz='0 0 0.2'/><geometry><box size='0.4 0.4 0.4'/></geometry>"
-      "</collision></link><link name='carriage'/><link name='ball'><collision><geometry><sphere radius='0.1'/></geometry></collision>"
+      "<robot name='ball'><link name='base_link'><collision><origin xyz='0 0 0.2'/><geometry><box size='0.4 0.4 "
+      "0.4'/></geometry>"
+      "</collision></link><link name='carriage'/><link name='ball'><collision><geometry><sphere "
+      "radius='0.1'/></geometry></collision>"
       "</link><link name='hand'/>" +
       test::urdf_joint("lift", "prismatic", "base_link", "carriage", "xyz='0 0 1'", "0 0 1") +
       test::urdf_joint("slide", "prismatic", "carriage", "ball", "xyz='0 0 0'", "1 0 0") +
@@ -81,7 +84,8 @@ TEST(Clearance, BallBeforeAWallFollowsTheClosedForm) {
   const RobotModel model = ball_on_a_slide();
   ClearanceChecker checker(model, {});
   checker.set_obstacle(3, wall_at(1.0), false);
-  for (const double x : {0.8, 0.9, 0.9 + 1e-6, 0.95, 1.0, 1.0 + 1e-7, 1.05, 1.2}) {  // apart, touching, centre on the face, inside
+  for (const double x :
+       {0.8, 0.9, 0.9 + 1e-6, 0.95, 1.0, 1.0 + 1e-7, 1.05, 1.2}) {  // apart, touching, centre on the face, inside
     const JointVector q = (JointVector(2) << 0.0, x).finished();
     const ClearanceResult result = evaluate(model, checker, {}, q);
     ASSERT_EQ(result.count, 1) << x;
@@ -166,7 +170,8 @@ TEST(Clearance, DistancesOfHeronEqualAnIndependentSearch) {
       if (shape.joint < 0 || result.count == kMaxClearanceRows) {
         continue;
       }
-      const double truth = capsule_box_distance(model.joint_pose(shape.joint, {0.1, -0.2, 0.3}) * shape.pose_in_joint, shape, box);
+      const double truth =
+          capsule_box_distance(model.joint_pose(shape.joint, {0.1, -0.2, 0.3}) * shape.pose_in_joint, shape, box);
       const auto found = seen.find(static_cast<int>(i));
       if (truth > 0.15) {
         ASSERT_TRUE(found == seen.end()) << "farther than the influence";
@@ -202,7 +207,8 @@ TEST(Clearance, RowsOfHeronEqualCentralDifferences) {
     std::map<Key, double> side[2];
     for (int k : {0, 1}) {
       const double dt = k == 0 ? -h : h;
-      const ClearanceResult r = evaluate(model, checker, integrate_base(base, u[7], u[6], dt), JointVector(q + dt * u.head(6)));
+      const ClearanceResult r =
+          evaluate(model, checker, integrate_base(base, u[7], u[6], dt), JointVector(q + dt * u.head(6)));
       for (int i = 0; i < r.count; ++i) {
         side[k][key_of(r.rows[static_cast<std::size_t>(i)])] = r.rows[static_cast<std::size_t>(i)].distance;
       }
@@ -220,7 +226,8 @@ TEST(Clearance, RowsOfHeronEqualCentralDifferences) {
         continue;
       }
       ++compared;
-      ASSERT_NEAR(0.5 * (forward + backward), row.row * u, 1e-6) << "shape " << row.shape << " distance " << row.distance << " state " << s;
+      ASSERT_NEAR(0.5 * (forward + backward), row.row * u, 1e-6)
+          << "shape " << row.shape << " distance " << row.distance << " state " << s;
     }
   }
   EXPECT_GT(compared, 5000);
@@ -243,7 +250,9 @@ TEST(Clearance, RowsAreSortedAndBounded) {
     double last = -std::numeric_limits<double>::infinity();
     for (int i = 0; i < result.count; ++i) {
       const ClearanceRow& row = result.rows[static_cast<std::size_t>(i)];
-      const ClearanceLimits& limit = row.kind == ClearanceKind::Self ? config.self : row.kind == ClearanceKind::ArmWorld ? config.arm_world : config.base_world;
+      const ClearanceLimits& limit = row.kind == ClearanceKind::Self       ? config.self
+                                     : row.kind == ClearanceKind::ArmWorld ? config.arm_world
+                                                                           : config.base_world;
       ASSERT_GE(row.distance - limit.stop, last);
       ASSERT_NEAR(row.normal.norm(), 1.0, 1e-9);
       last = row.distance - limit.stop;
@@ -276,7 +285,8 @@ TEST(Clearance, NonFiniteInputsAreReadCautiously) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   JointVector q = model.home();
   q[2] = nan;
-  for (const ClearanceResult& result : {evaluate(model, checker, {}, q), evaluate(model, checker, {nan, 0.0, 0.0}, model.home())}) {
+  for (const ClearanceResult& result :
+       {evaluate(model, checker, {}, q), evaluate(model, checker, {nan, 0.0, 0.0}, model.home())}) {
     EXPECT_EQ(result.count, 0);
     EXPECT_EQ(result.smallest[0], 0.0);
   }

@@ -1,5 +1,5 @@
-// Strategy: inverse kinematics must undo forward kinematics (found posture, wanted pose, limits), and the smallest singular value
-// must equal that of a full decomposition and vanish at a posture that is singular by geometry.
+// Strategy: inverse kinematics must undo forward kinematics (found posture, wanted pose, limits), and the smallest singular
+// value must equal that of a full decomposition and vanish at a posture that is singular by geometry.
 #include <gtest/gtest.h>
 
 #include <Eigen/SVD>

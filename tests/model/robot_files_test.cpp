@@ -1,5 +1,5 @@
-// Strategy: each way a robot description can be wrong is tried once; the message must be one line that names the file, the key or
-// link, and what is allowed.
+// Strategy: each way a robot description can be wrong is tried once; the message must be one line that names the file, the
+// key or link, and what is allowed.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -50,12 +50,14 @@ TEST(RobotFiles, MissingHandFrameIsNamedWithItsLine) {
 TEST(RobotFiles, MissingKeyIsNamed) {
   expect_parts(complaint<ModelError>(test::ur5e_urdf(), replaced(good_toml(), "gripper_stroke = 0.1\n", "")),
                {"robot.toml:18: hand.gripper_stroke: missing", "allowed"});
-  expect_parts(complaint<ModelError>(test::ur5e_urdf(), replaced(good_toml(), "[robot]\nname = \"toy\"\n", "")), {"[robot]: missing"});
+  expect_parts(complaint<ModelError>(test::ur5e_urdf(), replaced(good_toml(), "[robot]\nname = \"toy\"\n", "")),
+               {"[robot]: missing"});
 }
 
 TEST(RobotFiles, WrongTypeIsNamedWithItsValue) {
-  expect_parts(complaint<ModelError>(test::ur5e_urdf(), replaced(good_toml(), "wheel_radius = 0.1", "wheel_radius = \"big\"")),
-               {"robot.toml:6: base.wheel_radius: 'big'", "allowed: a finite number > 0"});
+  expect_parts(
+      complaint<ModelError>(test::ur5e_urdf(), replaced(good_toml(), "wheel_radius = 0.1", "wheel_radius = \"big\"")),
+      {"robot.toml:6: base.wheel_radius: 'big'", "allowed: a finite number > 0"});
   expect_parts(complaint<ModelError>(test::ur5e_urdf(), replaced(good_toml(), "type = \"differential\"", "type = \"omni\"")),
                {"base.type", "omni", "differential, fixed"});
 }
@@ -63,7 +65,8 @@ TEST(RobotFiles, WrongTypeIsNamedWithItsValue) {
 TEST(RobotFiles, UnknownKeyIsNamedWithTheKnownOnes) {
   expect_parts(complaint<ModelError>(test::ur5e_urdf(), replaced(good_toml(), "yaw_rate", "yawrate")),
                {"robot.toml:10: base.yawrate: unknown key", "yaw_rate"});
-  expect_parts(complaint<ModelError>(test::ur5e_urdf(), "colour = 3\n" + good_toml()), {"robot.toml:1: colour: unknown key"});
+  expect_parts(complaint<ModelError>(test::ur5e_urdf(), "colour = 3\n" + good_toml()),
+               {"robot.toml:1: colour: unknown key"});
 }
 
 TEST(RobotFiles, NonFiniteAndNegativeLimitsAreRefused) {
@@ -83,27 +86,32 @@ TEST(RobotFiles, WrongNumberOfValuesIsRefused) {
 TEST(RobotFiles, JointsMustLeadFromBaseToHandInOrder) {
   expect_parts(complaint<ModelError>(test::ur5e_urdf(), replaced(good_toml(), "\"pan\", \"lift\"", "\"lift\", \"pan\"")),
                {"arm.joints: pan", "from the base to the hand"});
-  expect_parts(complaint<ModelError>(test::ur5e_urdf(), replaced(good_toml(), "\"pan\"", "\"pam\"")), {"arm.joints: pam", "pan, lift"});
+  expect_parts(complaint<ModelError>(test::ur5e_urdf(), replaced(good_toml(), "\"pan\"", "\"pam\"")),
+               {"arm.joints: pam", "pan, lift"});
 }
 
 TEST(RobotFiles, HomeMustLieInsideTheLimits) {
-  expect_parts(complaint<ModelError>(test::ur5e_urdf(), replaced(good_toml(), "home = [0.0", "home = [9.0")), {"arm.home", "9.0", "pan", "3.5"});
+  expect_parts(complaint<ModelError>(test::ur5e_urdf(), replaced(good_toml(), "home = [0.0", "home = [9.0")),
+               {"arm.home", "9.0", "pan", "3.5"});
 }
 
 TEST(RobotFiles, BrokenUrdfIsRefusedInOneLine) {
   expect_parts(complaint<ModelError>("<robot name='x'><link name='a'>", good_toml()), {"robot.urdf: not a URDF"});
   expect_parts(complaint<ModelError>("", good_toml()), {"robot.urdf: not a URDF"});
-  expect_parts(complaint<Error>(replaced(test::ur5e_urdf(), "<link name='wrist_3'/>",
-                                         "<link name='wrist_3'><inertial><mass value='-1'/><inertia ixx='1' ixy='0' ixz='0' iyy='1' "
-                                         "iyz='0' izz='1'/></inertial></link>"),
-                                good_toml()),
-               {"robot.urdf:1: link wrist_3: mass: -1", "allowed"});
-  expect_parts(complaint<ModelError>(replaced(test::ur5e_urdf(), "lower='-3.5'", "lower='nan'"), good_toml()), {"robot.urdf"});
+  expect_parts(
+      complaint<Error>(replaced(test::ur5e_urdf(), "<link name='wrist_3'/>",
+                                "<link name='wrist_3'><inertial><mass value='-1'/><inertia ixx='1' ixy='0' ixz='0' iyy='1' "
+                                "iyz='0' izz='1'/></inertial></link>"),
+                       good_toml()),
+      {"robot.urdf:1: link wrist_3: mass: -1", "allowed"});
+  expect_parts(complaint<ModelError>(replaced(test::ur5e_urdf(), "lower='-3.5'", "lower='nan'"), good_toml()),
+               {"robot.urdf"});
 }
 
 TEST(RobotFiles, CollisionMeshesAreRefusedUnlessIgnored) {
-  const std::string urdf = replaced(test::ur5e_urdf(), "<link name='wrist_3'/>",
-                                    "<link name='wrist_3'><collision><geometry><mesh filename='a.stl'/></geometry></collision></link>");
+  const std::string urdf =
+      replaced(test::ur5e_urdf(), "<link name='wrist_3'/>",
+               "<link name='wrist_3'><collision><geometry><mesh filename='a.stl'/></geometry></collision></link>");
   expect_parts(complaint<ModelError>(urdf, good_toml()), {"link wrist_3: collision: a mesh", "collision.meshes"});
   EXPECT_EQ(complaint<Error>(urdf, good_toml() + "[collision]\nmeshes = \"ignore\"\n"), "");
 }

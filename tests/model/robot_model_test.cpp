@@ -1,6 +1,6 @@
-// Strategy: the kinematics of the UR5e against golden numbers that come from its DH table (another description of the same arm,
-// another program), and every derivative against central differences at 10 000 random states, for Heron and for TIAGo, which nobody
-// here wrote. Left out: speed, which the benchmarks measure.
+// Strategy: the kinematics of the UR5e against golden numbers that come from its DH table (another description of the same
+// arm, another program), and every derivative against central differences at 10 000 random states, for Heron and for TIAGo,
+// which nobody here wrote. Left out: speed, which the benchmarks measure.
 #include "ajar/model/robot_model.hpp"
 
 #include <gtest/gtest.h>
@@ -21,13 +21,14 @@ namespace {
 using test::random_base;
 using test::random_posture;
 
-constexpr double kStep = 1e-5;       // of the central differences: their own error is then near 1e-10
-constexpr double kDerivative = 1e-7; // required of every derivative
+constexpr double kStep = 1e-5;        // of the central differences: their own error is then near 1e-10
+constexpr double kDerivative = 1e-7;  // required of every derivative
 
 RobotModel ur5e_on_a_mount() {
   const test::TemporaryFolder folder;
-  return RobotModel::load(folder.write("ur5e.urdf", test::ur5e_urdf()),
-                          folder.write("ur5e.toml", test::robot_toml("\"pan\", \"lift\", \"elbow\", \"w1\", \"w2\", \"w3\"", 6, "tool0")));
+  return RobotModel::load(
+      folder.write("ur5e.urdf", test::ur5e_urdf()),
+      folder.write("ur5e.toml", test::robot_toml("\"pan\", \"lift\", \"elbow\", \"w1\", \"w2\", \"w3\"", 6, "tool0")));
 }
 
 // The state after the inputs u for a short time, exactly.
@@ -66,7 +67,8 @@ void expect_derivatives(const RobotModel& model, int states) {
     worst_pose = std::max(worst_pose, (twist - at.J.col(column)).cwiseAbs().maxCoeff());
     worst_point = std::max(worst_point, ((points[1] - points[0]) / (2.0 * kStep) - J_p.col(column)).cwiseAbs().maxCoeff());
     if (at.distance > 0.05) {  // nearer to the axle the distance bends too sharply for this step
-      worst_distance = std::max(worst_distance, std::abs((after.distance - before.distance) / (2.0 * kStep) - at.distance_jacobian[column]));
+      worst_distance = std::max(worst_distance,
+                                std::abs((after.distance - before.distance) / (2.0 * kStep) - at.distance_jacobian[column]));
     }
     ASSERT_EQ(at.distance_jacobian[model.joints()], 0.0) << "turning the base moves the hand with it";
     ASSERT_EQ(at.distance_jacobian[model.joints() + 1], 0.0) << "driving the base moves the hand with it";
@@ -127,7 +129,8 @@ TEST(RobotModel, TiagosDerivativesEqualCentralDifferences) {
   fs::path urdf;
   std::error_code ignored;
   for (const auto& entry : fs::directory_iterator(fs::path(AJAR_SOURCE_DIR) / ".deps" / "venv" / "lib", ignored)) {
-    const fs::path candidate = entry.path() / "site-packages/cmeel.prefix/share/example-robot-data/robots/tiago_description/robots/tiago.urdf";
+    const fs::path candidate =
+        entry.path() / "site-packages/cmeel.prefix/share/example-robot-data/robots/tiago_description/robots/tiago.urdf";
     if (fs::exists(candidate, ignored)) {
       urdf = candidate;
     }
@@ -162,7 +165,8 @@ TEST(RobotModel, FixedBaseHasNoBaseColumns) {
   const test::TemporaryFolder folder;
   const RobotModel model = RobotModel::load(
       folder.write("ur5e.urdf", test::ur5e_urdf()),
-      folder.write("ur5e.toml", test::robot_toml("\"pan\", \"lift\", \"elbow\", \"w1\", \"w2\", \"w3\"", 6, "tool0", "fixed")));
+      folder.write("ur5e.toml",
+                   test::robot_toml("\"pan\", \"lift\", \"elbow\", \"w1\", \"w2\", \"w3\"", 6, "tool0", "fixed")));
   Kinematics k;
   model.compute({0.3, 0.2, 0.1}, JointVector::Constant(6, 0.5), k);
   EXPECT_EQ(k.J.rightCols(2).norm(), 0.0);

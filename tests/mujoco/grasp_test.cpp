@@ -66,7 +66,8 @@ TEST_F(MujocoGraspTest, TorqueStepAcceleratesTheLeaf) {
   hold(plant, still(robot), 0.2);
   // The push keeps its direction in the world; over these few degrees its moment stays the same within 0.1 %.
   EXPECT_NEAR(plant.truth().opening_rate, 10.0 * motion.radius / inertia * 0.2, 0.01 * 10.0 * motion.radius / inertia * 0.2);
-  EXPECT_NEAR(plant.truth().opening, 0.5 * 10.0 * motion.radius / inertia * 0.04, 0.02 * 0.5 * 10.0 * motion.radius / inertia * 0.04);
+  EXPECT_NEAR(plant.truth().opening, 0.5 * 10.0 * motion.radius / inertia * 0.04,
+              0.02 * 0.5 * 10.0 * motion.radius / inertia * 0.04);
 }
 
 TEST_F(MujocoGraspTest, CloserNeedsItsForceToOpen) {
@@ -116,7 +117,7 @@ TEST_F(MujocoGraspTest, GraspIsASpringOfTheConfiguredStiffness) {
       config.grasp.pivots = pivots;
       config.faults = {{Fault::Kind::DoorLocked, 0.0}};
       const auto holder = holding(mechanism, config);
-  MujocoPlant& plant = *holder;
+      MujocoPlant& plant = *holder;
       ASSERT_TRUE(plant.truth().grasped);
       for (int axis = 0; axis < 3; ++axis) {
         const Vector3d rest = plant.truth().hand.translation() - plant.truth().handle;

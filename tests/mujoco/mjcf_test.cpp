@@ -135,11 +135,14 @@ TEST_F(MjcfTest, RobotStandsOnTheFloorThatWasMissing) {
   command.base_v = -0.2;
   hold(plant, command, 2.0);
   EXPECT_NEAR(plant.truth().base.y, -2.35, 0.04);
-  EXPECT_NEAR(plant.truth().hand.translation().z(), [&] {
-    Kinematics kinematics;
-    robot.compute(plant.truth().base, plant.truth().q, kinematics);
-    return kinematics.X_WE.translation().z();
-  }(), 2e-3);
+  EXPECT_NEAR(
+      plant.truth().hand.translation().z(),
+      [&] {
+        Kinematics kinematics;
+        robot.compute(plant.truth().base, plant.truth().q, kinematics);
+        return kinematics.X_WE.translation().z();
+      }(),
+      2e-3);
 }
 
 TEST_F(MjcfTest, RobotPullsTheDoorOfAForeignCabinet) {

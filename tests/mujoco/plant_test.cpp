@@ -51,7 +51,8 @@ TEST_F(MujocoPlantTest, WristFeelsTheToolWeight) {
   const RobotState state = plant.measure();
   Kinematics kinematics;
   robot.compute(state.base, state.q, kinematics);
-  const SensorWrench weight = sensor_wrench(kinematics, Vector3d::Zero(), Vector3d::Zero(), robot.tool_mass() + 0.5, robot.tool_com());
+  const SensorWrench weight =
+      sensor_wrench(kinematics, Vector3d::Zero(), Vector3d::Zero(), robot.tool_mass() + 0.5, robot.tool_com());
   EXPECT_LT((state.sensor_force - weight.force).norm(), 0.02 * weight.force.norm());
   EXPECT_LT((state.sensor_torque - weight.torque).norm(), 0.02 * weight.force.norm() * robot.tool_com().norm());
 }

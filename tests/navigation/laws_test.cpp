@@ -63,9 +63,9 @@ TEST(PolarLaw, LyapunovFunctionFallsAtItsOwnRate) {
     const BaseTwist twist = polar_law(base, {}, config);
     const double h = 1e-6;
     const double slope =
-        (value(integrate_base(base, twist.v, twist.w, h)).x() - value(integrate_base(base, twist.v, twist.w, -h)).x()) / (2 * h);
-    const double expected =
-        -config.k_rho * std::pow(now.y() * std::cos(now.z()), 2) - config.k_gamma * now.z() * now.z();
+        (value(integrate_base(base, twist.v, twist.w, h)).x() - value(integrate_base(base, twist.v, twist.w, -h)).x()) /
+        (2 * h);
+    const double expected = -config.k_rho * std::pow(now.y() * std::cos(now.z()), 2) - config.k_gamma * now.z() * now.z();
     EXPECT_NEAR(slope, expected, 1e-5 * (1.0 + std::abs(expected)));
   }
 }

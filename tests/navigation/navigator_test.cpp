@@ -23,15 +23,15 @@ struct Journey {
   BasePose end;
   double time = 0.0;
   double length = 0.0;
-  double peak_curvature = 0.0;   // where |v| > 3 cm/s
+  double peak_curvature = 0.0;  // where |v| > 3 cm/s
   double peak_acceleration = 0.0;
   double peak_yaw_acceleration = 0.0;
   double peak_w = 0.0;
   double peak_v = 0.0;
   double peak_reverse = 0.0;
-  double turned = 0.0;           // integral of |ω|
+  double turned = 0.0;  // integral of |ω|
   double clearance = std::numeric_limits<double>::infinity();
-  int cusps = 0;                 // changes of the driving sense faster than 3 cm/s
+  int cusps = 0;  // changes of the driving sense faster than 3 cm/s
   bool arrived = false;
 };
 
@@ -139,9 +139,9 @@ TEST(Navigator, BacksStraightIntoTheThesisGoal) {
   const Journey journey = travel(navigator, {}, false, 0.01);
   EXPECT_TRUE(journey.arrived);
   EXPECT_EQ(journey.cusps, 0);
-  EXPECT_LT(journey.length, 2.1);       // the straight line is 1.89 m
-  EXPECT_LT(journey.time, 11.0);        // the polar law needs 13.3 s and reverses on the way
-  EXPECT_LT(journey.turned, kPi);       // no spin
+  EXPECT_LT(journey.length, 2.1);  // the straight line is 1.89 m
+  EXPECT_LT(journey.time, 11.0);   // the polar law needs 13.3 s and reverses on the way
+  EXPECT_LT(journey.turned, kPi);  // no spin
 }
 
 TEST(Navigator, PredictionTellsTheTime) {

@@ -40,14 +40,16 @@ TEST(Hypotheses, GripTurnsRigidlyAboutAnAxisInTheLeaf) {
 TEST(Hypotheses, NothingStartsIntoTheWall) {
   for (const Vector3d& bar : {Vector3d(0, 0, 1), Vector3d(0.8, 0.6, 0), Vector3d(0, 0, 0)}) {
     const HandleBelief belief = handle(bar);
-    for (const MechanismHypothesis& h : make_hypotheses(belief, {})) EXPECT_GE(h.direction.dot(belief.normal), -1e-12) << h.name;
+    for (const MechanismHypothesis& h : make_hypotheses(belief, {}))
+      EXPECT_GE(h.direction.dot(belief.normal), -1e-12) << h.name;
   }
 }
 
 TEST(Hypotheses, BarTellsWhatElseIsPlausible) {
   const auto count = [](const Vector3d& bar, const std::string& word) {
     int n = 0;
-    for (const MechanismHypothesis& h : make_hypotheses(handle(bar), {})) n += h.name.find(word) != std::string::npos ? 1 : 0;
+    for (const MechanismHypothesis& h : make_hypotheses(handle(bar), {}))
+      n += h.name.find(word) != std::string::npos ? 1 : 0;
     return n;
   };
   const Vector3d level(0.8, 0.6, 0.0);

@@ -63,7 +63,8 @@ TEST(GraspCoupling, MassOnASpringFollowsTheLedEndInClosedForm) {
     const double t = (i + 1) * kStep;
     // Implicit steps of 0.25 ms damp by omega dt / 2 = 0.2 % of critical: 1.2 % of the oscillation after one period.
     EXPECT_NEAR(state.q, speed * (t - std::sin(omega * t) / omega), 0.015 * speed / omega);
-    EXPECT_NEAR(coupling.wrench().force.y(), -stiffness * speed * std::sin(omega * t) / omega, 0.015 * stiffness * speed / omega);
+    EXPECT_NEAR(coupling.wrench().force.y(), -stiffness * speed * std::sin(omega * t) / omega,
+                0.015 * stiffness * speed / omega);
   }
 }
 
@@ -88,7 +89,8 @@ TEST(GraspCoupling, WorkOfTheHandIsStoredOrLost) {
     const Vector3d t0 = coupling.wrench().torque;
     coupling.step({led(i), led(i + 1), kStep}, false, state);
     const Vector3d way = led(i + 1).translation() - led(i).translation();
-    work += 0.5 * (f0 + coupling.wrench().force).dot(way) + 0.5 * (t0 + coupling.wrench().torque).z() * (turned(i + 1) - turned(i));
+    work += 0.5 * (f0 + coupling.wrench().force).dot(way) +
+            0.5 * (t0 + coupling.wrench().torque).z() * (turned(i + 1) - turned(i));
     lost += kStep * (m.coulomb * std::abs(state.dq) + m.viscous * state.dq * state.dq);
   }
   const double stored = 0.5 * m.stiffness * state.q * state.q + 0.5 * m.inertia * state.dq * state.dq +

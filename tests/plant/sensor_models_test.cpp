@@ -102,7 +102,8 @@ TEST(SensorWrench, IsForceAndWeightAboutTheSensor) {
   kinematics.R_WF = Eigen::AngleAxisd(std::numbers::pi, Vector3d::UnitX()).toRotationMatrix();  // sensor looks down
   kinematics.p_WF = Vector3d(1.0, 2.0, 3.0);
   kinematics.X_WE.translation() = Vector3d(1.0, 2.0, 2.8);
-  const SensorWrench wrench = sensor_wrench(kinematics, Vector3d(10.0, 0.0, 0.0), Vector3d::Zero(), 2.0, Vector3d(0.0, 0.1, 0.0));
+  const SensorWrench wrench =
+      sensor_wrench(kinematics, Vector3d(10.0, 0.0, 0.0), Vector3d::Zero(), 2.0, Vector3d(0.0, 0.1, 0.0));
   EXPECT_LT((wrench.force - Vector3d(10.0, 0.0, -2.0 * kGravity)).norm(), 1e-9);
   // Arm of the force: (0, 0, -0.2) x (10, 0, 0) = (0, -2, 0) in the world, (0, 2, 0) in the sensor.
   EXPECT_LT((wrench.torque - Vector3d(-0.2 * kGravity, 2.0, 0.0)).norm(), 1e-9);

@@ -21,19 +21,23 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A hinge of radius 0.5 m about the origin, opened from 0 to 1 rad; the belief is off by 0.1 rad; one force peak at row 777.
+/// A hinge of radius 0.5 m about the origin, opened from 0 to 1 rad; the belief is off by 0.1 rad; one force peak at row
+/// 777.
 std::string synthetic_log(int rows) {
-  std::string text = "time,phase,true_opening,true_dir_x,true_dir_y,true_dir_z,true_curv_x,true_curv_y,true_curv_z,true_handle_x,true_handle_y,"
-                     "true_handle_z,true_hand_x,true_hand_y,true_hand_z,est_dir_x,est_dir_y,est_dir_z,est_curv_x,est_curv_y,est_curv_z,"
-                     "est_dir_sigma,est_curv_sigma,true_force_x,true_force_y,true_force_z,base_yaw,true_base_yaw,true_base_x,true_base_y,"
-                     "cmd_dq1,cmd_dq2\n";
+  std::string text =
+      "time,phase,true_opening,true_dir_x,true_dir_y,true_dir_z,true_curv_x,true_curv_y,true_curv_z,true_handle_x,true_"
+      "handle_y,"
+      "true_handle_z,true_hand_x,true_hand_y,true_hand_z,est_dir_x,est_dir_y,est_dir_z,est_curv_x,est_curv_y,est_curv_z,"
+      "est_dir_sigma,est_curv_sigma,true_force_x,true_force_y,true_force_z,base_yaw,true_base_yaw,true_base_x,true_base_y,"
+      "cmd_dq1,cmd_dq2\n";
   for (int i = 0; i < rows; ++i) {
     const double q = static_cast<double>(i) / rows, e = q + 0.1;
     const double peak = i == 777 ? 1000.0 : 1.0;
     char line[512];
-    std::snprintf(line, sizeof line, "%.3f,%s,%g,%g,%g,0,0,0,2,%g,%g,1,%g,%g,1,%g,%g,0,0,0,1.5,0.05,0.2,0,0,%g,0,0,-1,0,0.25,-0.5\n", 0.002 * i,
-                  i < rows / 4 ? "approach" : "open", q, -std::sin(q), std::cos(q), 0.5 * std::cos(q), 0.5 * std::sin(q), 0.5 * std::cos(q),
-                  0.5 * std::sin(q), -std::sin(e), std::cos(e), peak);
+    std::snprintf(line, sizeof line,
+                  "%.3f,%s,%g,%g,%g,0,0,0,2,%g,%g,1,%g,%g,1,%g,%g,0,0,0,1.5,0.05,0.2,0,0,%g,0,0,-1,0,0.25,-0.5\n", 0.002 * i,
+                  i < rows / 4 ? "approach" : "open", q, -std::sin(q), std::cos(q), 0.5 * std::cos(q), 0.5 * std::sin(q),
+                  0.5 * std::cos(q), 0.5 * std::sin(q), -std::sin(e), std::cos(e), peak);
     text += line;
   }
   return text;
@@ -44,7 +48,9 @@ class ReportTest : public ::testing::Test {
   fs::path folder = fs::temp_directory_path() / ("ajar_report_" + std::to_string(::getpid()));
   void SetUp() override { fs::create_directories(folder); }
   void TearDown() override { fs::remove_all(folder); }
-  void write(const std::string& name, const std::string& text) const { std::ofstream(folder / name, std::ios::binary) << text; }
+  void write(const std::string& name, const std::string& text) const {
+    std::ofstream(folder / name, std::ios::binary) << text;
+  }
 };
 
 std::vector<double> series(const std::string& page, const std::string& name) {

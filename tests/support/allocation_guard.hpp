@@ -12,8 +12,8 @@ inline thread_local long allocations = 0;
 
 #if defined(__GLIBC__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 extern "C" {
-void* __libc_malloc(std::size_t size);                     // NOLINT
-void* malloc(std::size_t size) {                           // NOLINT
+void* __libc_malloc(std::size_t size);  // NOLINT
+void* malloc(std::size_t size) {        // NOLINT
   ++ajar::test::allocations;
   return __libc_malloc(size);
 }

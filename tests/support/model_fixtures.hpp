@@ -17,7 +17,8 @@ class TemporaryFolder {
  public:
   TemporaryFolder() {
     static std::atomic<int> counter{0};
-    path_ = std::filesystem::temp_directory_path() / ("ajar_test_" + std::to_string(::getpid()) + "_" + std::to_string(counter++));
+    path_ = std::filesystem::temp_directory_path() /
+            ("ajar_test_" + std::to_string(::getpid()) + "_" + std::to_string(counter++));
     std::filesystem::create_directories(path_);
   }
   ~TemporaryFolder() {
@@ -37,17 +38,19 @@ class TemporaryFolder {
   std::filesystem::path path_;
 };
 
-inline std::string urdf_joint(const std::string& name, const std::string& type, const std::string& parent, const std::string& child,
-                              const std::string& origin, const std::string& axis = "0 0 1") {
-  return "<joint name='" + name + "' type='" + type + "'><parent link='" + parent + "'/><child link='" + child + "'/><origin " + origin +
-         "/><axis xyz='" + axis + "'/><limit lower='-3.5' upper='3.5' velocity='3' effort='100'/></joint>";
+inline std::string urdf_joint(const std::string& name, const std::string& type, const std::string& parent,
+                              const std::string& child, const std::string& origin, const std::string& axis = "0 0 1") {
+  return "<joint name='" + name + "' type='" + type + "'><parent link='" + parent + "'/><child link='" + child +
+         "'/><origin " + origin + "/><axis xyz='" + axis +
+         "'/><limit lower='-3.5' upper='3.5' velocity='3' effort='100'/></joint>";
 }
 
-/// The UR5e of Universal_Robots_ROS2_Description without tool, on a mount that is only an illustration: 0.15, 0.05, 0.60 m, yaw 0.3
-/// of the frame that the maker calls "Base". Hand and sensor are tool0.
+/// The UR5e of Universal_Robots_ROS2_Description without tool, on a mount that is only an illustration: 0.15, 0.05, 0.60 m,
+/// yaw 0.3 of the frame that the maker calls "Base". Hand and sensor are tool0.
 inline std::string ur5e_urdf() {
   std::string text = "<robot name='ur5e'>";
-  for (const char* link : {"base_link", "Base", "shoulder", "upper_arm", "forearm", "wrist_1", "wrist_2", "wrist_3", "tool0"}) {
+  for (const char* link :
+       {"base_link", "Base", "shoulder", "upper_arm", "forearm", "wrist_1", "wrist_2", "wrist_3", "tool0"}) {
     text += "<link name='" + std::string(link) + "'/>";
   }
   const std::string half = "1.5707963267948966", pi = "3.141592653589793";
@@ -63,17 +66,19 @@ inline std::string ur5e_urdf() {
 }
 
 /// A robot file for a URDF of n joints with the usual names; `base` is "differential" or "fixed".
-inline std::string robot_toml(const std::string& joints, int n, const std::string& hand, const std::string& base = "differential") {
+inline std::string robot_toml(const std::string& joints, int n, const std::string& hand,
+                              const std::string& base = "differential") {
   std::string ones, zeros;
   for (int i = 0; i < n; ++i) {
     ones += i == 0 ? "1.0" : ", 1.0";
     zeros += i == 0 ? "0.0" : ", 0.0";
   }
   return "[robot]\nname = \"toy\"\n[base]\ntype = \"" + base +
-         "\"\nframe = \"base_link\"\nwheel_radius = 0.1\nwheel_track = 0.5\nforward_speed = 1.0\nreverse_speed = 1.0\nyaw_rate = 1.0\n"
+         "\"\nframe = \"base_link\"\nwheel_radius = 0.1\nwheel_track = 0.5\nforward_speed = 1.0\nreverse_speed = "
+         "1.0\nyaw_rate = 1.0\n"
          "acceleration = 1.0\nyaw_acceleration = 1.0\nwheel_speed = 10.0\n[arm]\njoints = [" +
-         joints + "]\nacceleration = [" + ones + "]\nhome = [" + zeros + "]\n[hand]\nframe = \"" + hand + "\"\nsensor_frame = \"" + hand +
-         "\"\ngripper_stroke = 0.1\n";
+         joints + "]\nacceleration = [" + ones + "]\nhome = [" + zeros + "]\n[hand]\nframe = \"" + hand +
+         "\"\nsensor_frame = \"" + hand + "\"\ngripper_stroke = 0.1\n";
 }
 
 /// Joint positions, uniform between the limits but never beyond ±π.

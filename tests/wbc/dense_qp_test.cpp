@@ -123,8 +123,11 @@ TEST(DenseQp, RefusesWhatIsNotFinite) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   for (int what = 0; what < 5; ++what) {
     QpProblem problem = random_problem(draw, 4);
-    (what == 0 ? problem.H(1, 1) : what == 1 ? problem.g[3] : what == 2 ? problem.lower[0] : what == 3 ? problem.C(0, 0)
-                                                                                                     : problem.c[1]) = nan;
+    (what == 0   ? problem.H(1, 1)
+     : what == 1 ? problem.g[3]
+     : what == 2 ? problem.lower[0]
+     : what == 3 ? problem.C(0, 0)
+                 : problem.c[1]) = nan;
     EXPECT_EQ(solver.solve(problem, solution), QpStatus::Failed) << what;
     EXPECT_TRUE(solution.x.allFinite());
   }

@@ -3,8 +3,8 @@
 // figures from an independent numpy evaluation of a UR5e on a unicycle.
 #include "ajar/wbc/pseudo_inverse.hpp"
 
-#include <Eigen/Dense>
 #include <gtest/gtest.h>
+#include <Eigen/Dense>
 
 #include <random>
 
@@ -47,8 +47,7 @@ TEST(DampedPseudoInverse, MinimisesResidualPlusWeightedRates) {
     const PseudoInverse inverse = damped_pseudo_inverse(J, weight, damping);
     ASSERT_GT(inverse.squared_damping, 0.0);
     const Eigen::MatrixXd A = scale.asDiagonal() * Eigen::MatrixXd(J);
-    const Eigen::MatrixXd normal =
-        A.transpose() * A + inverse.squared_damping * Eigen::MatrixXd(weight.asDiagonal());
+    const Eigen::MatrixXd normal = A.transpose() * A + inverse.squared_damping * Eigen::MatrixXd(weight.asDiagonal());
     const Eigen::MatrixXd expected = normal.ldlt().solve(A.transpose() * Eigen::MatrixXd(scale.asDiagonal()));
     EXPECT_LT((Eigen::MatrixXd(inverse.matrix) - expected).norm(), 1e-8 * (1.0 + expected.norm()));
   }

@@ -44,7 +44,8 @@ TEST(HeadingReference, RateIsTheDerivativeOfTheHeadingForTiltedHinges) {
       return std::atan2(v.y(), v.x());
     };
     const double h = 1e-5;
-    EXPECT_NEAR(reference.rate, wrap_angle(heading_after(h) - heading_after(-h)) / (2.0 * h), 1e-6 * (1.0 + std::abs(reference.rate)));
+    EXPECT_NEAR(reference.rate, wrap_angle(heading_after(h) - heading_after(-h)) / (2.0 * h),
+                1e-6 * (1.0 + std::abs(reference.rate)));
   }
 }
 
@@ -73,8 +74,7 @@ TEST(DistanceTask, FollowsTheGradientOfTheDistance) {
     JointVector down = q;
     up[i] += h;
     down[i] -= h;
-    const double slope =
-        (test::ur5e_kinematics(base, up).distance - test::ur5e_kinematics(base, down).distance) / (2.0 * h);
+    const double slope = (test::ur5e_kinematics(base, up).distance - test::ur5e_kinematics(base, down).distance) / (2.0 * h);
     EXPECT_NEAR(z[i], -20.0 * (k.distance - 0.75) * slope, 1e-7);
   }
   EXPECT_EQ(z[6], 0.0);

@@ -33,7 +33,9 @@ class RandomTick {
   explicit RandomTick(unsigned seed) : generator_(seed) {}
   double normal(double scale) { return scale * std::normal_distribution<double>()(generator_); }
   bool chance(double p) { return std::bernoulli_distribution(p)(generator_); }
-  double broken() { return chance(0.5) ? std::numeric_limits<double>::quiet_NaN() : std::numeric_limits<double>::infinity(); }
+  double broken() {
+    return chance(0.5) ? std::numeric_limits<double>::quiet_NaN() : std::numeric_limits<double>::infinity();
+  }
 
   void fill(WbcProblem& p, ClearanceResult& clearance) {
     for (int i = 0; i < 6; ++i) {
@@ -70,7 +72,10 @@ class RandomTick {
       case 3: q[3] = broken(); break;
       case 4: p.base.w = broken(); break;
       case 5: p.leaf_turn.z() = broken(); break;
-      default: clearance.count = 1; clearance.rows[0].row = InputRow::Constant(1, 8, broken()); break;
+      default:
+        clearance.count = 1;
+        clearance.rows[0].row = InputRow::Constant(1, 8, broken());
+        break;
     }
   }
 
@@ -130,8 +135,7 @@ TEST_F(HeronWbc, NeverBreaksALimitOnRandomAndBrokenInput) {
   }
   EXPECT_LE(violation, 1e-9);
   EXPECT_EQ(invalid, corrupted);
-  std::printf("%d ticks, %d corrupted, %d invalid, largest violation %.1e\n", kTicks, corrupted, invalid,
-              violation);
+  std::printf("%d ticks, %d corrupted, %d invalid, largest violation %.1e\n", kTicks, corrupted, invalid, violation);
 }
 
 // Door of radius 0.8 m tracked by hand twist feed-forward and pose feedback, base by the co-rotating law.

@@ -18,7 +18,7 @@ namespace ajar {
 /// How one key of the scenario is drawn anew for every run, in the unit of the key.
 struct SampledKey {
   enum class Law { Uniform, LogUniform, Choice, Chance };
-  std::string key;                   ///< Dotted, as in a scenario
+  std::string key;  ///< Dotted, as in a scenario
   Law law = Law::Uniform;
   double lower = 0.0;                ///< Uniform, LogUniform
   double upper = 1.0;                ///< Uniform, LogUniform
@@ -28,15 +28,15 @@ struct SampledKey {
 
 /// One campaign file: what is drawn or listed, what is the same for all runs.
 struct Campaign {
-  std::filesystem::path file;        ///< Where it was read from
-  std::string text;                  ///< Its bytes; a campaign is resumed only if they are the same
-  int runs = 0;                      ///< [-]
+  std::filesystem::path file;  ///< Where it was read from
+  std::string text;            ///< Its bytes; a campaign is resumed only if they are the same
+  int runs = 0;                ///< [-]
   std::uint64_t seed = 1;
-  std::string base;                  ///< TOML of the scenario that all runs start from
-  std::string draw;                  ///< Random mechanisms: name of the generator; empty = none
-  std::filesystem::path table;       ///< Door table; empty = none
-  std::vector<std::string> doors;    ///< Ids of the table, run i takes door i modulo their number
-  std::vector<SampledKey> sampled;   ///< In the order of their names
+  std::string base;                 ///< TOML of the scenario that all runs start from
+  std::string draw;                 ///< Random mechanisms: name of the generator; empty = none
+  std::filesystem::path table;      ///< Door table; empty = none
+  std::vector<std::string> doors;   ///< Ids of the table, run i takes door i modulo their number
+  std::vector<SampledKey> sampled;  ///< In the order of their names
 };
 
 /// Reads and checks a campaign file, its base scenario included.
@@ -68,12 +68,12 @@ struct CampaignProgress {
 };
 
 struct CampaignOptions {
-  std::filesystem::path out;             ///< Folder of runs.csv, summary.json and runs/NUMBER/
-  int jobs = 0;                          ///< Threads; 0 = one per processor
+  std::filesystem::path out;  ///< Folder of runs.csv, summary.json and runs/NUMBER/
+  int jobs = 0;               ///< Threads; 0 = one per processor
   Keep keep = Keep::Failed;
-  bool resume = false;                   ///< Goes on after the complete rows of runs.csv
-  const std::atomic<bool>* stop = nullptr;                  ///< Becomes true: runs under way are broken off and not written
-  std::function<void(const CampaignProgress&)> progress;    ///< After every row, from any thread, one at a time
+  bool resume = false;                                    ///< Goes on after the complete rows of runs.csv
+  const std::atomic<bool>* stop = nullptr;                ///< Becomes true: runs under way are broken off and not written
+  std::function<void(const CampaignProgress&)> progress;  ///< After every row, from any thread, one at a time
 };
 
 /// Makes one run; throws as run_mission does. Must be thread-safe.

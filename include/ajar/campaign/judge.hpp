@@ -13,14 +13,14 @@ namespace ajar {
 
 /// What a judge must know beforehand.
 struct JudgeConfig {
-  double period = 0.002;             ///< Control period [s]
-  double time_limit = 180.0;         ///< Of the mission; sizes the buffers [s]
+  double period = 0.002;      ///< Control period [s]
+  double time_limit = 180.0;  ///< Of the mission; sizes the buffers [s]
   GoalConfig goal;
-  JointKind kind = JointKind::Hinge; ///< The true mechanism
-  double travel = 1.9;               ///< Its end stop [rad or m]
+  JointKind kind = JointKind::Hinge;  ///< The true mechanism
+  double travel = 1.9;                ///< Its end stop [rad or m]
   RobotLimits limits;
-  double wheel_radius = 0.1;         ///< [m]
-  double wheel_track = 0.5;          ///< [m]
+  double wheel_radius = 0.1;  ///< [m]
+  double wheel_track = 0.5;   ///< [m]
 };
 
 /// One tick as judge and log see it: everything at the instant of the measurement, the command that answers it.
@@ -34,16 +34,17 @@ struct TickView {
 
 /// How a run ended, by the mission itself.
 struct RunEnd {
-  bool claimed = false;               ///< The mission says that it reached its goal
-  Phase phase = Phase::Stopped;       ///< Phase in which it ended
+  bool claimed = false;          ///< The mission says that it reached its goal
+  Phase phase = Phase::Stopped;  ///< Phase in which it ended
   EndReason reason = EndReason::Running;
   std::string explanation;
   std::vector<Contact> contacts;
-  double duration = 0.0;              ///< [s]
-  double wall_seconds = 0.0;          ///< [s]
+  double duration = 0.0;      ///< [s]
+  double wall_seconds = 0.0;  ///< [s]
 };
 
-/// Judges a run from the truth. Beliefs are compared in the robot's own frame: the error of its localisation is not the estimator's.
+/// Judges a run from the truth. Beliefs are compared in the robot's own frame: the error of its localisation is not the
+/// estimator's.
 class Judge {
  public:
   explicit Judge(const JudgeConfig& config);

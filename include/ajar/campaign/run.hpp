@@ -28,11 +28,11 @@ struct SimulatedPlant {
 
 /// What a plant is built from.
 struct PlantRequest {
-  const Scenario& scenario;                                   ///< Config, and the files of a mechanism given as MJCF
+  const Scenario& scenario;  ///< Config, and the files of a mechanism given as MJCF
   const RobotModel& model;
-  const Mechanism* mechanism = nullptr;                       ///< Null if the scenario gives an MJCF: the factory reads it
-  std::function<BasePose(const Mechanism&)> start = {};       ///< Where the robot starts, world
-  const JointVector& home;                                    ///< Posture at the start, shape (n)
+  const Mechanism* mechanism = nullptr;                  ///< Null if the scenario gives an MJCF: the factory reads it
+  std::function<BasePose(const Mechanism&)> start = {};  ///< Where the robot starts, world
+  const JointVector& home;                               ///< Posture at the start, shape (n)
 };
 
 /// Builds a plant. Thread-safe; every plant stands alone. @throws ConfigError, ModelError, PlantError, IoError
@@ -43,18 +43,18 @@ struct RunProgress {
   double time = 0.0;        ///< [s]
   double time_limit = 0.0;  ///< [s]
   Phase phase = Phase::Choose;
-  double opening = 0.0;     ///< True [rad or m]
-  double force = 0.0;       ///< Measured force at the hand [N]
+  double opening = 0.0;  ///< True [rad or m]
+  double force = 0.0;    ///< Measured force at the hand [N]
   const MissionRecord* record = nullptr;
 };
 
 struct RunOptions {
-  std::filesystem::path folder;                          ///< Run folder; empty = no files
-  bool timing = false;                                   ///< Writes measured times into the log's tick_us column
-  bool report = true;                                    ///< Makes report.html
-  const std::atomic<bool>* stop = nullptr;               ///< Becomes true: the robot stops safely, the run ends
-  std::function<void(const RunProgress&)> progress;      ///< Called every `progress_period`
-  double progress_period = 0.1;                          ///< [s], simulated
+  std::filesystem::path folder;                      ///< Run folder; empty = no files
+  bool timing = false;                               ///< Writes measured times into the log's tick_us column
+  bool report = true;                                ///< Makes report.html
+  const std::atomic<bool>* stop = nullptr;           ///< Becomes true: the robot stops safely, the run ends
+  std::function<void(const RunProgress&)> progress;  ///< Called every `progress_period`
+  double progress_period = 0.1;                      ///< [s], simulated
 };
 
 /// One mission from start to end: builds robot and plant, injects the error of the direction guess, runs the loop, judges.

@@ -18,20 +18,20 @@ struct MetricSummary {
 
 /// Runs that have something in common.
 struct GroupSummary {
-  std::string name;          ///< all, direction_error_below_30_deg, …, hinge, slide
+  std::string name;  ///< all, direction_error_below_30_deg, …, hinge, slide
   int runs = 0;
   int opened = 0;
-  int opened_clean = 0;      ///< Opened without any unwanted contact
-  int contact_runs = 0;      ///< With an unwanted contact, opened or not
-  int errors = 0;            ///< Exit code 2 or 3
+  int opened_clean = 0;                          ///< Opened without any unwanted contact
+  int contact_runs = 0;                          ///< With an unwanted contact, opened or not
+  int errors = 0;                                ///< Exit code 2 or 3
   std::map<std::string, MetricSummary> metrics;  ///< By column of runs.csv
 };
 
 struct CampaignSummary {
-  std::vector<GroupSummary> groups;     ///< The first is "all"
-  std::map<std::string, int> reasons;   ///< Runs per reason
-  int limit_violations = 0;             ///< Runs with any
-  int nonfinite_commands = 0;           ///< Runs with any
+  std::vector<GroupSummary> groups;    ///< The first is "all"
+  std::map<std::string, int> reasons;  ///< Runs per reason
+  int limit_violations = 0;            ///< Runs with any
+  int nonfinite_commands = 0;          ///< Runs with any
 };
 
 /// Summary of a runs.csv. @throws IoError

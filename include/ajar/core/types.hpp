@@ -44,41 +44,42 @@ struct BasePose {
 
 /// A box, used for obstacles, furniture and leaves.
 struct Box {
-  Pose pose = Pose::Identity();                    ///< Centre and axes, in the frame that the owner names
+  Pose pose = Pose::Identity();                     ///< Centre and axes, in the frame that the owner names
   Vector3d half_extents = Vector3d::Constant(0.5);  ///< [m]
 };
 
 /// What the robot's camera says of the handle, in the base frame at the time of the sight.
 struct HandleSight {
-  bool visible = false;                     ///< False: nothing seen, the rest is meaningless
-  Vector3d position = Vector3d::Zero();     ///< Centre of the grip, base frame [m]
-  Vector3d normal = Vector3d::UnitX();      ///< Outward normal of the leaf at the grip (towards the robot), unit, base frame [-]
-  Vector3d bar = Vector3d::UnitZ();         ///< Direction of the bar, unit, base frame; zero for a knob [-]
-  double standoff = 0.06;                   ///< Distance from the leaf's face to the grip's centre [m]
-  double thickness = 0.02;                  ///< Thickness of what the fingers close on; 0 = nothing to grip [m]
+  bool visible = false;                  ///< False: nothing seen, the rest is meaningless
+  Vector3d position = Vector3d::Zero();  ///< Centre of the grip, base frame [m]
+  Vector3d normal = Vector3d::UnitX();  ///< Outward normal of the leaf at the grip (towards the robot), unit, base frame [-]
+  Vector3d bar = Vector3d::UnitZ();     ///< Direction of the bar, unit, base frame; zero for a knob [-]
+  double standoff = 0.06;               ///< Distance from the leaf's face to the grip's centre [m]
+  double thickness = 0.02;              ///< Thickness of what the fingers close on; 0 = nothing to grip [m]
 };
 
 /// What the robot measures in one tick. Nothing else of the world reaches mission, controller or estimator.
 struct RobotState {
-  double time = 0.0;                         ///< Since the start of the run [s]
-  BasePose base;                             ///< Odometry, in the odometry frame
-  double base_v = 0.0;                       ///< Forward speed by the wheel encoders [m/s]
-  double base_w = 0.0;                       ///< Turning rate by the wheel encoders [rad/s]
-  JointVector q;                             ///< Joint positions, shape (n) [rad or m]
-  JointVector dq;                            ///< Joint rates, shape (n) [rad/s or m/s]
-  Vector3d sensor_force = Vector3d::Zero();  ///< Raw wrist reading, sensor axes: robot on tool side, with weight and bias [N]
-  Vector3d sensor_torque = Vector3d::Zero(); ///< Raw wrist reading about the sensor's origin, sensor axes [N m]
-  double wrench_time = 0.0;                  ///< Time stamp of the wrist reading [s]
-  double gripper_opening = 0.1;              ///< Measured distance of the fingers [m]
-  HandleSight handle;                        ///< What the camera sees of the handle
+  double time = 0.0;    ///< Since the start of the run [s]
+  BasePose base;        ///< Odometry, in the odometry frame
+  double base_v = 0.0;  ///< Forward speed by the wheel encoders [m/s]
+  double base_w = 0.0;  ///< Turning rate by the wheel encoders [rad/s]
+  JointVector q;        ///< Joint positions, shape (n) [rad or m]
+  JointVector dq;       ///< Joint rates, shape (n) [rad/s or m/s]
+  Vector3d sensor_force =
+      Vector3d::Zero();  ///< Raw wrist reading, sensor axes: robot on tool side, with weight and bias [N]
+  Vector3d sensor_torque = Vector3d::Zero();  ///< Raw wrist reading about the sensor's origin, sensor axes [N m]
+  double wrench_time = 0.0;                   ///< Time stamp of the wrist reading [s]
+  double gripper_opening = 0.1;               ///< Measured distance of the fingers [m]
+  HandleSight handle;                         ///< What the camera sees of the handle
 };
 
 /// What the robot is told to do until the next tick.
 struct Command {
-  JointVector dq;              ///< Joint rates, shape (n) [rad/s or m/s]
-  double base_v = 0.0;         ///< Forward speed [m/s]
-  double base_w = 0.0;         ///< Turning rate [rad/s]
-  bool gripper_closed = false; ///< True: fingers closing or closed
+  JointVector dq;               ///< Joint rates, shape (n) [rad/s or m/s]
+  double base_v = 0.0;          ///< Forward speed [m/s]
+  double base_w = 0.0;          ///< Turning rate [rad/s]
+  bool gripper_closed = false;  ///< True: fingers closing or closed
 };
 
 }  // namespace ajar

@@ -9,9 +9,9 @@ using Matrix9d = Eigen::Matrix<double, 9, 9>;
 
 /// A point of a circle or line that starts at the origin along the first axis, with its derivative.
 struct CurvePoint {
-  Vector3d q = Vector3d::Zero();     ///< Position, local axes [m]
-  Vector3d t = Vector3d::UnitX();    ///< Tangent, unit, local axes [-]
-  Matrix32d D = Matrix32d::Zero();   ///< dq/dkap, shape (3, 2), local axes [m²]
+  Vector3d q = Vector3d::Zero();    ///< Position, local axes [m]
+  Vector3d t = Vector3d::UnitX();   ///< Tangent, unit, local axes [-]
+  Matrix32d D = Matrix32d::Zero();  ///< dq/dkap, shape (3, 2), local axes [m²]
 };
 
 /// Curvature vector in local axes, k = (0, kap1, kap2), so that k·x = 0 holds exactly.

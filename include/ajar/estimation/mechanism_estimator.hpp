@@ -10,17 +10,17 @@ namespace ajar {
 /// Set-up of the estimator: noise of the hand pose, adaptive law of the first centimetres, type decision.
 struct EstimatorConfig {
   PoseNoise noise;
-  double grasp_stiffness = 1e4;         ///< K_c of the elastic correction p - f/K_c [N/m]
-  double bandwidth = 1.5;               ///< w0 of the adaptive law (A5) [1/s]
-  double damping_ratio = 1.0;           ///< ζ of the adaptive law [-]
-  double curvature_leak = 2.0;          ///< λ_k: decay of k along x [1/s]
-  double still_speed = 0.004;           ///< Below this the hand counts as still [m/s]
-  double stuck_turn_rate = 0.15;        ///< Largest rate at which reaction force turns the guess of a stuck handle [rad/s]
-  double slide_curvature = 0.05;        ///< k_s of the type decision [1/m]
-  double hinge_curvature = 0.5;         ///< k_min of the type decision [1/m]
-  double type_threshold = 15.0;         ///< T of the type decision [-]
-  double relative_curvature_floor = 0.1;///< Furniture is no circle: σ_k ≥ this · |k| [-]
-  bool use_rotation = true;             ///< False: the grip is known to pivot, positions only
+  double grasp_stiffness = 1e4;           ///< K_c of the elastic correction p - f/K_c [N/m]
+  double bandwidth = 1.5;                 ///< w0 of the adaptive law (A5) [1/s]
+  double damping_ratio = 1.0;             ///< ζ of the adaptive law [-]
+  double curvature_leak = 2.0;            ///< λ_k: decay of k along x [1/s]
+  double still_speed = 0.004;             ///< Below this the hand counts as still [m/s]
+  double stuck_turn_rate = 0.15;          ///< Largest rate at which reaction force turns the guess of a stuck handle [rad/s]
+  double slide_curvature = 0.05;          ///< k_s of the type decision [1/m]
+  double hinge_curvature = 0.5;           ///< k_min of the type decision [1/m]
+  double type_threshold = 15.0;           ///< T of the type decision [-]
+  double relative_curvature_floor = 0.1;  ///< Furniture is no circle: σ_k ≥ this · |k| [-]
+  bool use_rotation = true;               ///< False: the grip is known to pivot, positions only
   bool operator==(const EstimatorConfig&) const = default;
   /// @throws ConfigError
   void validate() const;

@@ -16,14 +16,14 @@ struct PathSample {
 };
 
 struct PathFilterConfig {
-  PoseNoise noise;                  ///< Noise model of the pose source
-  bool use_rotation = true;         ///< False: positions only
-  bool alarms = true;               ///< Watch the prediction errors and re-learn after a slip
-  bool learn_noise = true;          ///< Scale the covariance by the measured prediction errors
-  double bin_length = 0.002;        ///< Least arc of a bin; three times the white noise if that is more [m]
-  double start_length = 0.02;       ///< Least distance of the ends for the first fit; 6 σ_p if that is more [m]
-  double curvature_prior = 3.0;     ///< Standard deviation of each curvature component before any data [1/m]
-  double curvature_walk = 0.0;      ///< Growth of the curvature variance per metre of arc [1/m³]
+  PoseNoise noise;               ///< Noise model of the pose source
+  bool use_rotation = true;      ///< False: positions only
+  bool alarms = true;            ///< Watch the prediction errors and re-learn after a slip
+  bool learn_noise = true;       ///< Scale the covariance by the measured prediction errors
+  double bin_length = 0.002;     ///< Least arc of a bin; three times the white noise if that is more [m]
+  double start_length = 0.02;    ///< Least distance of the ends for the first fit; 6 σ_p if that is more [m]
+  double curvature_prior = 3.0;  ///< Standard deviation of each curvature component before any data [1/m]
+  double curvature_walk = 0.0;   ///< Growth of the curvature variance per metre of arc [1/m³]
   bool operator==(const PathFilterConfig&) const = default;
   /// @throws ConfigError
   void validate() const;
@@ -42,18 +42,19 @@ enum class PathEvent {
 
 /// The filter's belief at one point of the path.
 struct PathOutput {
-  Matrix3d F = Matrix3d::Identity();          ///< Columns x (along the order of travel), b1, b2 [-]
-  Vector2d kap = Vector2d::Zero();            ///< Curvature along b1, b2 [1/m]
-  Vector3d point = Vector3d::Zero();          ///< On the path [m]
-  Matrix3d rotation = Matrix3d::Identity();   ///< Of the grasp [-]
-  Matrix9d covariance = Matrix9d::Identity(); ///< Of (a, w, dkap, φ), noise scale included, shape (9, 9)
+  Matrix3d F = Matrix3d::Identity();           ///< Columns x (along the order of travel), b1, b2 [-]
+  Vector2d kap = Vector2d::Zero();             ///< Curvature along b1, b2 [1/m]
+  Vector3d point = Vector3d::Zero();           ///< On the path [m]
+  Matrix3d rotation = Matrix3d::Identity();    ///< Of the grasp [-]
+  Matrix9d covariance = Matrix9d::Identity();  ///< Of (a, w, dkap, φ), noise scale included, shape (9, 9)
 
   /// Curvature vector, world axes [1/m].
   [[nodiscard]] Vector3d curvature() const { return F.rightCols<2>() * kap; }
 };
 
-/// Recursive fit of a circle or line to poses, over arc length: bins, a Gauss-Newton start, then an error-state Kalman filter
-/// with states for the correlated pose error. Constant memory; reaches the Cramér-Rao bound. (docs/equations.md#estimator)
+/// Recursive fit of a circle or line to poses, over arc length: bins, a Gauss-Newton start, then an error-state Kalman
+/// filter with states for the correlated pose error. Constant memory; reaches the Cramér-Rao bound.
+/// (docs/equations.md#estimator)
 class PathFilter {
  public:
   /// @throws ConfigError
@@ -116,7 +117,7 @@ class PathFilter {
 
   std::array<PathBin, kMaxFitBins> bins_{};  // before the start, and after an alarm until it is verified
   int bin_count_ = 0;
-  std::array<PathBin, 2> previous_{};        // the two bins before the present one
+  std::array<PathBin, 2> previous_{};  // the two bins before the present one
   int previous_count_ = 0;
 
   double noise_scale_ = 1.0;
@@ -126,9 +127,9 @@ class PathFilter {
 
   std::array<double, kWindow> window_{};
   int window_count_ = 0;
-  int pending_ = 0;        // outlying bins in a row
+  int pending_ = 0;  // outlying bins in a row
   int alarms_ = 0;
-  bool verifying_ = false; // bins are collected since an alarm
+  bool verifying_ = false;  // bins are collected since an alarm
   bool alarm_again_ = false;
   int disagreements_ = 0;
   PathCorrection last_;

@@ -11,9 +11,9 @@ inline constexpr int kMaxFitBins = 24;
 
 /// What a batch fit assumes beside the bins.
 struct PathFitConfig {
-  PoseNoise noise;              ///< Noise model
-  bool use_rotation = true;     ///< False: positions only
-  double curvature_prior = 3.0; ///< Standard deviation of each component of k before any data [1/m]
+  PoseNoise noise;               ///< Noise model
+  bool use_rotation = true;      ///< False: positions only
+  double curvature_prior = 3.0;  ///< Standard deviation of each component of k before any data [1/m]
 };
 
 /// Fits a circle or line with a grasp rotation to bins by Gauss-Newton, each bin's arc position eliminated.

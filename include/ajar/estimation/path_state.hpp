@@ -20,15 +20,15 @@ struct PathBin {
 
 /// Path at its newest point: a circle or line, the rotation of the grasp, and the slowly varying pose error.
 ///
-/// Errors (a1, a2; w1, w2; dkap1, dkap2; φ1…φ3; b1, b2; c1…c3) in the columns of `F`: p += B a, F ← F Exp(0, w), kap += dkap,
-/// R ← Exp(F φ) R. (docs/equations.md#estimator)
+/// Errors (a1, a2; w1, w2; dkap1, dkap2; φ1…φ3; b1, b2; c1…c3) in the columns of `F`: p += B a, F ← F Exp(0, w), kap +=
+/// dkap, R ← Exp(F φ) R. (docs/equations.md#estimator)
 struct PathState {
-  Matrix3d F = Matrix3d::Identity();      ///< Columns x (tangent), b1, b2, world axes [-]
-  Vector2d kap = Vector2d::Zero();        ///< Curvature along b1, b2 [1/m]
-  Vector3d p = Vector3d::Zero();          ///< Point of the path, world axes [m]
-  Matrix3d R = Matrix3d::Identity();      ///< Rotation of the grasp, hand to world [-]
-  Vector5d error = Vector5d::Zero();      ///< Correlated pose error: b across x [m], c [rad], columns of F
-  Matrix14d P = Matrix14d::Identity();    ///< Covariance of the errors, shape (14, 14)
+  Matrix3d F = Matrix3d::Identity();    ///< Columns x (tangent), b1, b2, world axes [-]
+  Vector2d kap = Vector2d::Zero();      ///< Curvature along b1, b2 [1/m]
+  Vector3d p = Vector3d::Zero();        ///< Point of the path, world axes [m]
+  Matrix3d R = Matrix3d::Identity();    ///< Rotation of the grasp, hand to world [-]
+  Vector5d error = Vector5d::Zero();    ///< Correlated pose error: b across x [m], c [rad], columns of F
+  Matrix14d P = Matrix14d::Identity();  ///< Covariance of the errors, shape (14, 14)
 
   /// Curvature vector, world axes [1/m].
   [[nodiscard]] Vector3d curvature() const { return F.rightCols<2>() * kap; }
@@ -54,7 +54,8 @@ void move_along(PathState& state, double ds) noexcept;
 /// @param noise        Noise model
 void predict_path(PathState& state, double ds, const PathBin& bin, const PoseNoise& noise) noexcept;
 
-/// Corrects the state, already moved to the bin's arc, with the bin: scalar updates of 2 or 5 rows. (docs/equations.md#estimator)
+/// Corrects the state, already moved to the bin's arc, with the bin: scalar updates of 2 or 5 rows.
+/// (docs/equations.md#estimator)
 ///
 /// @param[in,out] state    Path
 /// @param bin            Mean pose
@@ -69,6 +70,7 @@ void predict_path(PathState& state, double ds, const PathBin& bin, const PoseNoi
 /// @param kap  Curvature of the state [1/m]
 /// @param x    Compared direction, unit, world axes [-]
 /// @param k    Compared curvature vector, world axes [1/m]
-[[nodiscard]] Vector4d path_difference(const Matrix3d& F, const Vector2d& kap, const Vector3d& x, const Vector3d& k) noexcept;
+[[nodiscard]] Vector4d path_difference(const Matrix3d& F, const Vector2d& kap, const Vector3d& x,
+                                       const Vector3d& k) noexcept;
 
 }  // namespace ajar

@@ -20,6 +20,7 @@ struct TypeThresholds {
 /// @param kap  Curvature across the motion, shape (2) [1/m]
 /// @param C    Its covariance, model floor included, shape (2, 2) [1/m²]
 /// @return Unknown for values that are not finite or a covariance that is not positive
-[[nodiscard]] MechanismType decide_type(const Vector2d& kap, const Eigen::Matrix2d& C, const TypeThresholds& thresholds) noexcept;
+[[nodiscard]] MechanismType decide_type(const Vector2d& kap, const Eigen::Matrix2d& C,
+                                        const TypeThresholds& thresholds) noexcept;
 
 }  // namespace ajar

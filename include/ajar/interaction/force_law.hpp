@@ -53,7 +53,8 @@ class ForceLaw {
   ForceLaw(const ForceLawConfig& config, double period, double dead_time);
   void reset() noexcept;
   /// @param direction  x̂, unit  @param free_axis  Axis about which the grip turns freely, zero if none
-  [[nodiscard]] ForceCorrection step(const HandWrench& wrench, const Vector3d& direction, const Vector3d& free_axis) noexcept;
+  [[nodiscard]] ForceCorrection step(const HandWrench& wrench, const Vector3d& direction,
+                                     const Vector3d& free_axis) noexcept;
   /// α_f that results from stiffness and rate [m/(N s)].
   [[nodiscard]] double gain() const noexcept { return gain_; }
 
@@ -67,13 +68,13 @@ class ForceLaw {
 
 /// What the speed law is told in one tick.
 struct SpeedInput {
-  double confidence = 0.0;     ///< 0 … 1 from the estimate: start speed … cruise [-]
-  double base_lag = 0.0;       ///< Distance of the base from its reference [m]
-  double pull_force = 0.0;     ///< x·f [N]
-  double normal_force = 0.0;   ///< |P f| [N]
-  double measured_speed = 0.0; ///< x·V [m/s]
-  double speed_cap = 1.0;      ///< From outside, e.g. an end is possible [m/s]
-  double force_cap = 1e3;      ///< Pull force allowed now, e.g. while the direction is unsure; the force limit holds besides [N]
+  double confidence = 0.0;      ///< 0 … 1 from the estimate: start speed … cruise [-]
+  double base_lag = 0.0;        ///< Distance of the base from its reference [m]
+  double pull_force = 0.0;      ///< x·f [N]
+  double normal_force = 0.0;    ///< |P f| [N]
+  double measured_speed = 0.0;  ///< x·V [m/s]
+  double speed_cap = 1.0;       ///< From outside, e.g. an end is possible [m/s]
+  double force_cap = 1e3;  ///< Pull force allowed now, e.g. while the direction is unsure; the force limit holds besides [N]
 };
 
 /// Steady tangential speed before ramps and give: start speed to cruise by confidence, waiting for a lagging base,

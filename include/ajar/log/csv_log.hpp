@@ -15,7 +15,7 @@ enum class WhenFull {
 };
 
 struct CsvLogConfig {
-  int ring_rows = 1024;                 ///< Rows held between loop and disk; about 1 kB each [-], 2 … 1 000 000
+  int ring_rows = 1024;  ///< Rows held between loop and disk; about 1 kB each [-], 2 … 1 000 000
   WhenFull when_full = WhenFull::Wait;
   /// @throws ConfigError
   void validate() const;

@@ -17,10 +17,10 @@ namespace ajar {
 /// Chosen columns of a CSV file, complete rows only.
 struct CsvTable {
   std::size_t rows = 0;
-  std::vector<std::string> names;                           ///< All columns of the file, in order
-  std::map<std::string, std::vector<double>> numbers;       ///< Wanted number columns that exist; NaN where not a number
-  std::map<std::string, std::vector<std::string>> texts;    ///< Wanted text columns that exist
-  bool cut_off = false;                                     ///< The last line was incomplete and left out
+  std::vector<std::string> names;                         ///< All columns of the file, in order
+  std::map<std::string, std::vector<double>> numbers;     ///< Wanted number columns that exist; NaN where not a number
+  std::map<std::string, std::vector<std::string>> texts;  ///< Wanted text columns that exist
+  bool cut_off = false;                                   ///< The last line was incomplete and left out
 };
 
 /// Which columns to read; those that the file does not have are left out of the table.

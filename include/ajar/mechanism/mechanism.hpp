@@ -13,12 +13,12 @@ enum class HandleKind { Bar, Knob, Recess, None };
 /// What one can hold, at the closed mechanism, in the world.
 struct Handle {
   HandleKind kind = HandleKind::Bar;
-  Vector3d position = Vector3d::Zero();    ///< Centre of the grip [m]
-  Vector3d normal = -Vector3d::UnitY();    ///< Outward normal of the leaf on the robot's side, unit
-  Vector3d bar = Vector3d::UnitZ();        ///< Direction of the bar, unit; unused for a knob
-  double standoff = 0.06;                  ///< Leaf face to grip centre [m]
-  double thickness = 0.02;                 ///< Of what the fingers close on [m]
-  double length = 0.12;                    ///< Of the bar [m]
+  Vector3d position = Vector3d::Zero();  ///< Centre of the grip [m]
+  Vector3d normal = -Vector3d::UnitY();  ///< Outward normal of the leaf on the robot's side, unit
+  Vector3d bar = Vector3d::UnitZ();      ///< Direction of the bar, unit; unused for a knob
+  double standoff = 0.06;                ///< Leaf face to grip centre [m]
+  double thickness = 0.02;               ///< Of what the fingers close on [m]
+  double length = 0.12;                  ///< Of the bar [m]
 };
 
 /// A constant closing moment with its own damping while closing (EN 1154).
@@ -36,32 +36,33 @@ struct Seal {
   bool operator==(const Seal&) const = default;
 };
 
-/// The one-degree-of-freedom thing: hinge (axis, radius) or slide (direction), as it truly is. Only plants and judges hold one.
+/// The one-degree-of-freedom thing: hinge (axis, radius) or slide (direction), as it truly is. Only plants and judges hold
+/// one.
 struct Mechanism {
   std::string name = "mechanism";
   JointKind kind = JointKind::Hinge;
-  Vector3d axis = Vector3d::UnitZ();     ///< Unit; hinge: positive rotation opens, slide: positive direction opens
-  Vector3d point = Vector3d::Zero();     ///< On the axis (hinge) [m]
-  double travel = 1.9;                   ///< Hard stop on the open side; the closed stop is at 0 [rad or m]
-  double stop_time_constant = 0.005;     ///< Of the end stop's contact [s]
-  double mass = 20.0;                    ///< Moving mass [kg]
-  double inertia = 4.0;                  ///< About the axis, or the moving mass again for a slide [kg m² or kg]
-  Vector3d com = Vector3d::Zero();       ///< Centre of the moving mass, closed, world [m]
-  double gravity_share = 0.0;            ///< Part of the weight that acts on the joint (1 = no counterbalance) [-]
-  double armature = 0.02;                ///< Extra inertia [kg m² or kg]
-  double coulomb = 1.0;                  ///< Sliding friction [N m or N]
-  double breakaway = 1.0;                ///< Static over sliding friction, ≥ 1 [-]
-  double viscous = 0.5;                  ///< [N m s/rad or N s/m]
-  double stiffness = 0.0;                ///< Spring [N m/rad or N/m]
-  double spring_reference = 0.0;         ///< Rest position of the spring [rad or m]
-  double constant_closing = 0.0;         ///< E.g. a rising hinge [N m or N]
+  Vector3d axis = Vector3d::UnitZ();  ///< Unit; hinge: positive rotation opens, slide: positive direction opens
+  Vector3d point = Vector3d::Zero();  ///< On the axis (hinge) [m]
+  double travel = 1.9;                ///< Hard stop on the open side; the closed stop is at 0 [rad or m]
+  double stop_time_constant = 0.005;  ///< Of the end stop's contact [s]
+  double mass = 20.0;                 ///< Moving mass [kg]
+  double inertia = 4.0;               ///< About the axis, or the moving mass again for a slide [kg m² or kg]
+  Vector3d com = Vector3d::Zero();    ///< Centre of the moving mass, closed, world [m]
+  double gravity_share = 0.0;         ///< Part of the weight that acts on the joint (1 = no counterbalance) [-]
+  double armature = 0.02;             ///< Extra inertia [kg m² or kg]
+  double coulomb = 1.0;               ///< Sliding friction [N m or N]
+  double breakaway = 1.0;             ///< Static over sliding friction, ≥ 1 [-]
+  double viscous = 0.5;               ///< [N m s/rad or N s/m]
+  double stiffness = 0.0;             ///< Spring [N m/rad or N/m]
+  double spring_reference = 0.0;      ///< Rest position of the spring [rad or m]
+  double constant_closing = 0.0;      ///< E.g. a rising hinge [N m or N]
   Closer closer;
   Seal seal;
   Handle handle;
-  bool latched = false;                  ///< Has a latch; treated as free, the result says so
-  std::string latch;                     ///< Its name
-  std::vector<Box> leaf;                 ///< Moving boxes at the closed mechanism, world
-  std::vector<Box> world;                ///< Walls, frame, furniture, world
+  bool latched = false;    ///< Has a latch; treated as free, the result says so
+  std::string latch;       ///< Its name
+  std::vector<Box> leaf;   ///< Moving boxes at the closed mechanism, world
+  std::vector<Box> world;  ///< Walls, frame, furniture, world
 
   /// @throws ConfigError  naming the field, its value and what is allowed
   void validate() const;

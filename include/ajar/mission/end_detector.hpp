@@ -21,13 +21,13 @@ struct EndConfig {
 
 /// What the end detector is told in one tick; all of it measured or believed by the robot.
 struct EndInput {
-  double dt = 0.002;             ///< [s]
-  double speed = 0.0;            ///< x̂·V measured [m/s]
-  double wanted_speed = 0.0;     ///< [m/s]
-  double pull_force = 0.0;       ///< x̂·f [N]
-  double running_force = 0.0;    ///< Of the motion so far [N]
-  double force_cap = 1e3;        ///< Pull allowed now [N]
-  double speed_factor = 1.0;     ///< s of the controller [-]
+  double dt = 0.002;           ///< [s]
+  double speed = 0.0;          ///< x̂·V measured [m/s]
+  double wanted_speed = 0.0;   ///< [m/s]
+  double pull_force = 0.0;     ///< x̂·f [N]
+  double running_force = 0.0;  ///< Of the motion so far [N]
+  double force_cap = 1e3;      ///< Pull allowed now [N]
+  double speed_factor = 1.0;   ///< s of the controller [-]
   BindingLimit binding = BindingLimit::None;
 };
 

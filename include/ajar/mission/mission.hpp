@@ -22,19 +22,19 @@ enum class Phase { Choose, Approach, Reach, Zero, Grasp, Probe, Open, Release, R
 /// Why a mission ended, or that it has not.
 enum class EndReason {
   Running,
-  GoalReached,        ///< The wanted opening by the robot's own estimate
-  StopFelt,           ///< An end stop after enough travel
+  GoalReached,  ///< The wanted opening by the robot's own estimate
+  StopFelt,     ///< An end stop after enough travel
   HandleUnseen,
   NothingToGrip,
   Unreachable,
   ApproachBlocked,
   GraspMissed,
   GraspLost,
-  Locked,             ///< Nothing moves at the force limit
-  NeedsMoreForce,     ///< Moved, then needed more than the limit
-  Stalled,            ///< Standstill without force
-  ClearanceStop,      ///< A clearance limit stops it
-  SensorInvalid,      ///< Not finite
+  Locked,          ///< Nothing moves at the force limit
+  NeedsMoreForce,  ///< Moved, then needed more than the limit
+  Stalled,         ///< Standstill without force
+  ClearanceStop,   ///< A clearance limit stops it
+  SensorInvalid,   ///< Not finite
   SensorSilent,
   BaseBlocked,
   ForceLimit,
@@ -78,9 +78,9 @@ struct MissionConfig {
   ClearanceConfig clearance;
   GoalConfig goal;
   MissionLimits limits;
-  double period = 0.002;              ///< Control period [s]
-  double dead_time = 0.0;             ///< Transport delay that the robot knows of [s]
-  std::string controller = "qp";      ///< qp | thesis
+  double period = 0.002;          ///< Control period [s]
+  double dead_time = 0.0;         ///< Transport delay that the robot knows of [s]
+  std::string controller = "qp";  ///< qp | thesis
   /// @throws ConfigError
   void validate() const;
 };
@@ -96,7 +96,7 @@ struct MissionRecord {
   WbcSolution solution;
   BaseLawOutput base;
   double wanted_speed = 0.0;
-  double clearance_min = 0.0;             ///< Smallest believed distance [m]
+  double clearance_min = 0.0;  ///< Smallest believed distance [m]
 };
 
 /// The phases from approach to retreat, what ends or aborts each, and the command of every tick.

@@ -13,7 +13,8 @@ class Opener {
   Opener(const RobotModel& model, const MissionConfig& config);
 
   /// Starts at the grasp. @param direction  Believed direction of opening, unit, odometry frame
-  void start(const RobotState& state, const Kinematics& kinematics, const HandleBelief& belief, const Vector3d& direction) noexcept;
+  void start(const RobotState& state, const Kinematics& kinematics, const HandleBelief& belief,
+             const Vector3d& direction) noexcept;
 
   /// Goes on after probing with the direction that it found; wall and base offset stay.
   /// @param force  Pull that the first centimetres may take: what probing needed, 0 = the start force [N]
@@ -27,6 +28,7 @@ class Opener {
 
   /// Force that the motion needed so far [N].
   [[nodiscard]] double running_force() const noexcept { return speed_law_.running_force(); }
+  [[nodiscard]] const MechanismEstimate& estimate() const noexcept { return estimator_.estimate(); }
   [[nodiscard]] const SceneBelief& scene() const noexcept { return scene_; }
   [[nodiscard]] SceneBelief& scene() noexcept { return scene_; }
 

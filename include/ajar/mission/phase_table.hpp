@@ -8,21 +8,21 @@ namespace ajar {
 
 /// What happens to a mission.
 enum class Event {
-  Chosen,        ///< Grasp and base pose are chosen
-  Arrived,       ///< The base stands at its pose
-  NextPose,      ///< No good posture from here: another base pose is tried
-  AtHandle,      ///< The hand waits in front of the handle
-  Zeroed,        ///< The wrist sensor's bias is known
-  Held,          ///< The fingers hold the handle and a direction is believed
-  HeldBlind,     ///< The fingers hold the handle and no direction is known
-  Missed,        ///< The fingers closed on nothing
-  Found,         ///< Probing found what gives
-  Blocked,       ///< Nothing moves: probe
-  Ended,         ///< Goal, stop or a reason to give up: let go
-  Clear,         ///< The hand has left the handle
-  Away,          ///< The base has left the mechanism
-  GaveUp,        ///< Ends before the handle is held
-  Fault          ///< Stop now
+  Chosen,     ///< Grasp and base pose are chosen
+  Arrived,    ///< The base stands at its pose
+  NextPose,   ///< No good posture from here: another base pose is tried
+  AtHandle,   ///< The hand waits in front of the handle
+  Zeroed,     ///< The wrist sensor's bias is known
+  Held,       ///< The fingers hold the handle and a direction is believed
+  HeldBlind,  ///< The fingers hold the handle and no direction is known
+  Missed,     ///< The fingers closed on nothing
+  Found,      ///< Probing found what gives
+  Blocked,    ///< Nothing moves: probe
+  Ended,      ///< Goal, stop or a reason to give up: let go
+  Clear,      ///< The hand has left the handle
+  Away,       ///< The base has left the mechanism
+  GaveUp,     ///< Ends before the handle is held
+  Fault       ///< Stop now
 };
 inline constexpr int kEventCount = 15;
 
@@ -35,15 +35,15 @@ struct Transition {
 
 /// What follows what. Fault leads to Stopped from everywhere; a pair that is not listed changes nothing.
 inline constexpr std::array kTransitions = {
-    Transition{Phase::Choose, Event::Chosen, Phase::Approach},   Transition{Phase::Choose, Event::GaveUp, Phase::Stopped},
-    Transition{Phase::Approach, Event::Arrived, Phase::Reach},   Transition{Phase::Approach, Event::GaveUp, Phase::Stopped},
-    Transition{Phase::Reach, Event::NextPose, Phase::Approach},  Transition{Phase::Reach, Event::AtHandle, Phase::Zero},
-    Transition{Phase::Reach, Event::GaveUp, Phase::Stopped},     Transition{Phase::Zero, Event::Zeroed, Phase::Grasp},
-    Transition{Phase::Grasp, Event::Held, Phase::Open},          Transition{Phase::Grasp, Event::HeldBlind, Phase::Probe},
-    Transition{Phase::Grasp, Event::Missed, Phase::Reach},       Transition{Phase::Grasp, Event::GaveUp, Phase::Release},
-    Transition{Phase::Probe, Event::Found, Phase::Open},         Transition{Phase::Probe, Event::Ended, Phase::Release},
-    Transition{Phase::Open, Event::Blocked, Phase::Probe},       Transition{Phase::Open, Event::Ended, Phase::Release},
-    Transition{Phase::Release, Event::Clear, Phase::Retreat},    Transition{Phase::Retreat, Event::Away, Phase::Done},
+    Transition{Phase::Choose, Event::Chosen, Phase::Approach},  Transition{Phase::Choose, Event::GaveUp, Phase::Stopped},
+    Transition{Phase::Approach, Event::Arrived, Phase::Reach},  Transition{Phase::Approach, Event::GaveUp, Phase::Stopped},
+    Transition{Phase::Reach, Event::NextPose, Phase::Approach}, Transition{Phase::Reach, Event::AtHandle, Phase::Zero},
+    Transition{Phase::Reach, Event::GaveUp, Phase::Stopped},    Transition{Phase::Zero, Event::Zeroed, Phase::Grasp},
+    Transition{Phase::Grasp, Event::Held, Phase::Open},         Transition{Phase::Grasp, Event::HeldBlind, Phase::Probe},
+    Transition{Phase::Grasp, Event::Missed, Phase::Reach},      Transition{Phase::Grasp, Event::GaveUp, Phase::Release},
+    Transition{Phase::Probe, Event::Found, Phase::Open},        Transition{Phase::Probe, Event::Ended, Phase::Release},
+    Transition{Phase::Open, Event::Blocked, Phase::Probe},      Transition{Phase::Open, Event::Ended, Phase::Release},
+    Transition{Phase::Release, Event::Clear, Phase::Retreat},   Transition{Phase::Retreat, Event::Away, Phase::Done},
 };
 
 /// The phase that follows. No exception.

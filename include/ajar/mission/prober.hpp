@@ -8,14 +8,14 @@ namespace ajar {
 
 struct ProbeConfig {
   std::array<double, 4> forces{20.0, 32.0, 46.0, 60.0};  ///< Levels tried one after the other [N]
-  double speed = 0.03;            ///< Of a push [m/s]
-  double reach = 0.025;           ///< A push ends after this much motion [m]
-  double enough = 0.006;          ///< Motion that elasticity cannot explain and that settles it [m]
-  double stiffness = 4e3;         ///< Softest grasp: what f/K may explain [N/m]
-  double likely_stiffness = 1e4;  ///< K_c, for the direction of the motion [N/m]
-  double push_time = 1.2;         ///< Longest push [s]
-  double return_time = 0.5;       ///< Longest way back [s]
-  double blocked_time = 0.25;     ///< At full force without motion this long: the push ends [s]
+  double speed = 0.03;                                   ///< Of a push [m/s]
+  double reach = 0.025;                                  ///< A push ends after this much motion [m]
+  double enough = 0.006;                                 ///< Motion that elasticity cannot explain and that settles it [m]
+  double stiffness = 4e3;                                ///< Softest grasp: what f/K may explain [N/m]
+  double likely_stiffness = 1e4;                         ///< K_c, for the direction of the motion [N/m]
+  double push_time = 1.2;                                ///< Longest push [s]
+  double return_time = 0.5;                              ///< Longest way back [s]
+  double blocked_time = 0.25;                            ///< At full force without motion this long: the push ends [s]
   bool operator==(const ProbeConfig&) const = default;
 };
 

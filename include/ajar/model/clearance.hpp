@@ -22,18 +22,18 @@ struct ClearanceLimits {
 struct ClearanceConfig {
   ClearanceLimits self{0.12, 0.02, 3.0};
   ClearanceLimits arm_world{0.15, 0.03, 3.0};
-  ClearanceLimits base_world{0.35, 0.04, 1.0};
+  ClearanceLimits base_world{0.40, 0.04, 0.6};  // ξ² · 0.36 m: a third of what the base can brake with
 };
 
 /// One close pair: d(distance)/dt = row·u - normal·v_obstacle.
 struct ClearanceRow {
-  InputRow row;                              ///< shape (1, n + 2)
-  double distance = 0.0;                     ///< [m]
+  InputRow row;           ///< shape (1, n + 2)
+  double distance = 0.0;  ///< [m]
   ClearanceKind kind = ClearanceKind::Self;
-  int obstacle = -1;                         ///< Index of the obstacle, -1 for the robot's own body
-  int shape = -1;                            ///< Index in RobotModel::shapes()
-  int other_shape = -1;                      ///< Self: index of the body it is near to; -1 for obstacles
-  Vector3d normal = Vector3d::UnitZ();       ///< From obstacle to robot, world axes
+  int obstacle = -1;                              ///< Index of the obstacle, -1 for the robot's own body
+  int shape = -1;                                 ///< Index in RobotModel::shapes()
+  int other_shape = -1;                           ///< Self: index of the body it is near to; -1 for obstacles
+  Vector3d normal = Vector3d::UnitZ();            ///< From obstacle to robot, world axes
   Vector3d point_on_obstacle = Vector3d::Zero();  ///< World [m]
 };
 
@@ -58,14 +58,14 @@ class ClearanceChecker {
   ClearanceChecker& operator=(const ClearanceChecker&) = delete;
   ~ClearanceChecker();
 
-  /// Places an obstacle (world frame). `near_hand` = the tool and the last wrist link may touch it (handle side of the leaf).
-  /// No allocation.
+  /// Places an obstacle (world frame). `near_hand` = the tool and the last wrist link may touch it (handle side of the
+  /// leaf). No allocation.
   void set_obstacle(int index, const Box& box, bool near_hand) noexcept;
   /// Removes an obstacle.
   void clear_obstacle(int index) noexcept;
 
-  /// Evaluates all pairs. Non-finite inputs: no rows and all smallest distances 0, the cautious reading. Needs model.compute(base, q) to have been called on the given model just before.
-  /// No allocation, no exception, bounded time.
+  /// Evaluates all pairs. Non-finite inputs: no rows and all smallest distances 0, the cautious reading. Needs
+  /// model.compute(base, q) to have been called on the given model just before. No allocation, no exception, bounded time.
   void compute(const RobotModel& model, const BasePose& base, ClearanceResult& out) noexcept;
 
  private:

@@ -9,22 +9,22 @@
 namespace ajar {
 
 struct NavigationConfig {
-  std::string law = "graceful";       ///< graceful | polar
-  double k_rho = 0.5;                 ///< Polar k1 [1/s]
-  double k_gamma = 2.0;               ///< Polar k2, > 2 k1 [1/s]
-  double k_delta = 4.0;               ///< Polar k3, > k2/k1 - 1 [-]
-  double k_phi = 2.0;                 ///< Graceful k_p [-]
-  double k_turn = 1.0;                ///< Graceful k_d [-]
-  double beta = 0.4;                  ///< Graceful: slowing in curves [-]
-  double lambda = 2.0;                ///< Graceful: exponent [-]
-  double slow_radius = 0.5;           ///< Graceful [m]
-  double v_max = 0.5;                 ///< [m/s]
-  double v_reverse = 0.3;             ///< Largest backward speed of the navigator; MiR100 planner value 0.2, hardware more [m/s]
-  double w_max = 0.8;                 ///< [rad/s]
-  double acceleration = 0.5;          ///< [m/s²]
-  double yaw_acceleration = 1.0;      ///< [rad/s²]
-  double k_final = 1.5;               ///< Heading gain of the terminal turn [1/s]
-  double max_curvature = 6.0;         ///< Sharpest curve of the driven path [1/m]
+  std::string law = "graceful";   ///< graceful | polar
+  double k_rho = 0.5;             ///< Polar k1 [1/s]
+  double k_gamma = 2.0;           ///< Polar k2, > 2 k1 [1/s]
+  double k_delta = 4.0;           ///< Polar k3, > k2/k1 - 1 [-]
+  double k_phi = 2.0;             ///< Graceful k_p [-]
+  double k_turn = 1.0;            ///< Graceful k_d [-]
+  double beta = 0.4;              ///< Graceful: slowing in curves [-]
+  double lambda = 2.0;            ///< Graceful: exponent [-]
+  double slow_radius = 0.5;       ///< Graceful [m]
+  double v_max = 0.5;             ///< [m/s]
+  double v_reverse = 0.3;         ///< Largest backward speed of the navigator; MiR100 planner value 0.2, hardware more [m/s]
+  double w_max = 0.8;             ///< [rad/s]
+  double acceleration = 0.5;      ///< [m/s²]
+  double yaw_acceleration = 1.0;  ///< [rad/s²]
+  double k_final = 1.5;           ///< Heading gain of the terminal turn [1/s]
+  double max_curvature = 6.0;     ///< Sharpest curve of the driven path [1/m]
   double position_tolerance = 0.004;  ///< [m]
   double heading_tolerance = 0.004;   ///< [rad]
   bool operator==(const NavigationConfig&) const = default;
@@ -83,8 +83,8 @@ class Navigator {
     Stage stage = Stage::Idle;
     BasePose target;
     BaseTwist last;
-    double timer = 0.0;        // in the present stage [s]
-    double align_yaw = 0.0;    // of the correcting move [rad]
+    double timer = 0.0;      // in the present stage [s]
+    double align_yaw = 0.0;  // of the correcting move [rad]
     int corrections = 0;
   };
   struct Prediction {

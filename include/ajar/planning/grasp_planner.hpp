@@ -14,31 +14,31 @@ namespace ajar {
 
 /// What is believed of the handle when a grasp is chosen, odometry frame.
 struct HandleBelief {
-  Vector3d position = Vector3d::Zero();   ///< Grip centre [m]
-  Vector3d normal = -Vector3d::UnitY();   ///< Outward leaf normal, unit, horizontal
-  Vector3d bar = Vector3d::UnitZ();       ///< Bar direction, unit; zero for a knob
-  double standoff = 0.06;                 ///< Leaf face to grip centre [m]
-  double thickness = 0.02;                ///< Of what the fingers close on [m]
+  Vector3d position = Vector3d::Zero();  ///< Grip centre [m]
+  Vector3d normal = -Vector3d::UnitY();  ///< Outward leaf normal, unit, horizontal
+  Vector3d bar = Vector3d::UnitZ();      ///< Bar direction, unit; zero for a knob
+  double standoff = 0.06;                ///< Leaf face to grip centre [m]
+  double thickness = 0.02;               ///< Of what the fingers close on [m]
 };
 
 struct PlannerConfig {
-  std::vector<double> hinge_radii{0.33, 0.8};    ///< Radii tried for both hinge sides [m]
-  double hinge_angle = 1.5708;                   ///< Opening that each hinge roll-out must reach [rad]
-  double drawer_travel = 0.45;                   ///< [m]
-  double sliding_travel = 0.75;                  ///< Sideways, vertical bar [m]
-  double flap_radius = 0.42;                     ///< Horizontal hinge below, horizontal bar [m]
-  std::vector<double> distances{0.65, 0.75, 0.85}; ///< Base - handle [m]
-  std::vector<double> azimuths{-0.35, 0.0, 0.35};  ///< Of the base round the handle, from the normal [rad]
-  int headings = 12;                             ///< Base headings tried per place
-  int ik_starts = 22;                            ///< Random starts per place and hand roll
-  int roll_outs = 150;                           ///< Candidates rolled out
-  int kept = 6;                                  ///< Candidates handed over, and checked with disturbed placements
-  double step = 0.1;                             ///< Time step of a roll-out [s]
-  double speed = 0.12;                           ///< Cruise of a roll-out along the mechanism [m/s]
-  double least_sigma = 0.09;                     ///< Of a candidate at the grasp [-]
-  double own_clearance = 0.025;                  ///< Of a candidate at the grasp [m]
-  double wall_clearance = 0.07;                  ///< Of the base where it stands, to the believed wall [m]
-  double approach_distance = 0.10;               ///< The hand waits this far in front of the handle [m]
+  std::vector<double> hinge_radii{0.33, 0.8};       ///< Radii tried for both hinge sides [m]
+  double hinge_angle = 1.5708;                      ///< Opening that each hinge roll-out must reach [rad]
+  double drawer_travel = 0.45;                      ///< [m]
+  double sliding_travel = 0.75;                     ///< Sideways, vertical bar [m]
+  double flap_radius = 0.42;                        ///< Horizontal hinge below, horizontal bar [m]
+  std::vector<double> distances{0.65, 0.75, 0.85};  ///< Base - handle [m]
+  std::vector<double> azimuths{-0.35, 0.0, 0.35};   ///< Of the base round the handle, from the normal [rad]
+  int headings = 12;                                ///< Base headings tried per place
+  int ik_starts = 22;                               ///< Random starts per place and hand roll
+  int roll_outs = 150;                              ///< Candidates rolled out
+  int kept = 6;                                     ///< Candidates handed over, and checked with disturbed placements
+  double step = 0.1;                                ///< Time step of a roll-out [s]
+  double speed = 0.12;                              ///< Cruise of a roll-out along the mechanism [m/s]
+  double least_sigma = 0.09;                        ///< Of a candidate at the grasp [-]
+  double own_clearance = 0.025;                     ///< Of a candidate at the grasp [m]
+  double wall_clearance = 0.07;                     ///< Of the base where it stands, to the believed wall [m]
+  double approach_distance = 0.10;                  ///< The hand waits this far in front of the handle [m]
   bool operator==(const PlannerConfig&) const = default;
   /// @throws ConfigError
   void validate() const;
@@ -46,11 +46,11 @@ struct PlannerConfig {
 
 /// One way to take the handle.
 struct GraspCandidate {
-  BasePose base;               ///< Where the base stands, odometry frame
-  JointVector grasp;           ///< Hand at the handle, shape (n)
-  JointVector approach;        ///< Hand in front of the handle, shape (n)
-  Pose hand = Pose::Identity();///< Hand pose of the grasp, odometry frame
-  double value = -1.0;         ///< Worst case over what may be true; ≥ 0.03 is usable, larger is better [-]
+  BasePose base;                 ///< Where the base stands, odometry frame
+  JointVector grasp;             ///< Hand at the handle, shape (n)
+  JointVector approach;          ///< Hand in front of the handle, shape (n)
+  Pose hand = Pose::Identity();  ///< Hand pose of the grasp, odometry frame
+  double value = -1.0;           ///< Worst case over what may be true; ≥ 0.03 is usable, larger is better [-]
 };
 
 /// Chooses grasp posture and base pose by rolling out the same QP and base law over the mechanisms that may be true.
@@ -63,11 +63,13 @@ class GraspPlanner {
   ~GraspPlanner();
 
   /// Candidates, best first; empty if the handle cannot be reached from anywhere. `why` then names the reason.
-  [[nodiscard]] std::vector<GraspCandidate> choose(const HandleBelief& belief, std::uint64_t seed, std::string* why = nullptr) const;
+  [[nodiscard]] std::vector<GraspCandidate> choose(const HandleBelief& belief, std::uint64_t seed,
+                                                   std::string* why = nullptr) const;
 
   /// Checks at the base pose reached: keeps the planned posture if it is still good, else tries all postures from there.
   /// @return false if no posture is good enough from here
-  [[nodiscard]] bool choose_posture(const HandleBelief& belief, const BasePose& base, std::uint64_t seed, GraspCandidate& candidate) const;
+  [[nodiscard]] bool choose_posture(const HandleBelief& belief, const BasePose& base, std::uint64_t seed,
+                                    GraspCandidate& candidate) const;
 
  private:
   struct Impl;

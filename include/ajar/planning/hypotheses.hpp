@@ -9,20 +9,20 @@ namespace ajar {
 
 /// One mechanism that may stand behind the handle, as motion of the grip from its closed position.
 struct MechanismHypothesis {
-  std::string name;                              ///< For messages
-  Vector3d direction = Vector3d::UnitX();        ///< x₀: unit direction in which the grip starts [-]
-  Vector3d curvature = Vector3d::Zero();         ///< k₀ = axis / radius, perpendicular to x₀; zero for a slide [1/m]
-  double travel = 0.5;                           ///< Arc that the roll-out must reach [m]
-  Vector3d free_axis = Vector3d::Zero();         ///< Grip turns freely about it (fixed to the hand); zero = held fast [-]
-  bool soft = false;                             ///< Its value is softened, so that it cannot rule the choice alone
+  std::string name;                        ///< For messages
+  Vector3d direction = Vector3d::UnitX();  ///< x₀: unit direction in which the grip starts [-]
+  Vector3d curvature = Vector3d::Zero();   ///< k₀ = axis / radius, perpendicular to x₀; zero for a slide [1/m]
+  double travel = 0.5;                     ///< Arc that the roll-out must reach [m]
+  Vector3d free_axis = Vector3d::Zero();   ///< Grip turns freely about it (fixed to the hand); zero = held fast [-]
+  bool soft = false;                       ///< Its value is softened, so that it cannot rule the choice alone
 };
 
 /// Pose of a grip that has moved by an arc along a hypothesis: translation from the start and turning of the leaf.
 /// (docs/equations.md#choice)
 struct HypothesisPoint {
-  Vector3d shift = Vector3d::Zero();             ///< [m]
-  Vector3d turned = Vector3d::Zero();            ///< Rotation vector of the leaf [rad]
-  Vector3d direction = Vector3d::UnitX();        ///< x(s) [-]
+  Vector3d shift = Vector3d::Zero();       ///< [m]
+  Vector3d turned = Vector3d::Zero();      ///< Rotation vector of the leaf [rad]
+  Vector3d direction = Vector3d::UnitX();  ///< x(s) [-]
 };
 [[nodiscard]] HypothesisPoint point_at(const MechanismHypothesis& hypothesis, double arc) noexcept;
 

@@ -6,13 +6,13 @@ namespace ajar {
 
 /// How a rolled-out opening went.
 struct RollOutResult {
-  double sigma = 9.0;             ///< Smallest σ_min of the arm [-]
-  double own = 9.0;               ///< Smallest distance of the robot to itself; 9 = never near [m]
-  double arm = 9.0;               ///< Of the arm to wall and leaf [m]
-  double base = 9.0;              ///< Of the base to wall and leaf [m]
-  double fraction = 0.0;          ///< Part of the travel that was reached, 0 … 1
-  double error = 0.0;             ///< Largest distance of the hand from the path [m]
-  double value = -1.0;            ///< One number of all that (docs/equations.md#choice)
+  double sigma = 9.0;     ///< Smallest σ_min of the arm [-]
+  double own = 9.0;       ///< Smallest distance of the robot to itself; 9 = never near [m]
+  double arm = 9.0;       ///< Of the arm to wall and leaf [m]
+  double base = 9.0;      ///< Of the base to wall and leaf [m]
+  double fraction = 0.0;  ///< Part of the travel that was reached, 0 … 1
+  double error = 0.0;     ///< Largest distance of the hand from the path [m]
+  double value = -1.0;    ///< One number of all that (docs/equations.md#choice)
 };
 
 /// Value of a roll-out: min(σ, 0.12) less what clearances, travel and tracking fall short. (docs/equations.md#choice)
@@ -44,10 +44,12 @@ class RollOut {
   [[nodiscard]] Motion begin(const HandleBelief& belief, const BasePose& base, const JointVector& q);
   void pose_problem(const MechanismHypothesis& hypothesis, const Motion& motion, const HypothesisPoint& point,
                     WbcProblem& problem) const;
-  void place_leaf(const HandleBelief& belief, const MechanismHypothesis& hypothesis, const HypothesisPoint& point, double arc);
+  void place_leaf(const HandleBelief& belief, const MechanismHypothesis& hypothesis, const HypothesisPoint& point,
+                  double arc);
   void note_clearances(RollOutResult& result) const noexcept;
   [[nodiscard]] BaseTwist base_twist(BaseLaw& law, const MechanismHypothesis& hypothesis, Motion& motion, double dt) const;
-  [[nodiscard]] Vector6d pose_error(const MechanismHypothesis& hypothesis, const Motion& motion, const HypothesisPoint& point) const;
+  [[nodiscard]] Vector6d pose_error(const MechanismHypothesis& hypothesis, const Motion& motion,
+                                    const HypothesisPoint& point) const;
 
   const RobotModel& model_;
   PlannerConfig config_;

@@ -57,11 +57,11 @@ class GraspCoupling {
 
   Mechanism mechanism_;
   GraspConfig config_;
-  double mass_;                 ///< Inertia and armature [kg m² or kg]
-  double rotational_damping_;   ///< [N m s/rad]
+  double mass_;                ///< Inertia and armature [kg m² or kg]
+  double rotational_damping_;  ///< [N m s/rad]
   bool held_ = false;
-  Vector3d anchor_ = Vector3d::Zero();          ///< Of the hand on the closed leaf, world [m]
-  Matrix3d rotation_ = Matrix3d::Identity();    ///< Of the hand, with the leaf turned back to closed
+  Vector3d anchor_ = Vector3d::Zero();        ///< Of the hand on the closed leaf, world [m]
+  Matrix3d rotation_ = Matrix3d::Identity();  ///< Of the hand, with the leaf turned back to closed
   double slipped_ = 0.0;
   GraspWrench wrench_;
 };

@@ -32,18 +32,18 @@ struct Contact {
 
 /// The state of the world, known to the plant alone; read by the log and the judge.
 struct Truth {
-  double opening = 0.0;                          ///< Mechanism coordinate q [rad or m]
-  double opening_rate = 0.0;                     ///< [rad/s or m/s]
-  BasePose base;                                 ///< World
-  Pose hand = Pose::Identity();                  ///< World
-  Vector3d handle = Vector3d::Zero();            ///< Grip centre, world [m]
-  Vector3d direction = Vector3d::UnitX();        ///< Of the handle's motion for opening, unit, world
-  Vector3d curvature = Vector3d::Zero();         ///< [1/m]
-  Vector3d force = Vector3d::Zero();             ///< Robot on handle, world axes [N]
-  Vector3d torque = Vector3d::Zero();            ///< Robot on handle about the hand, world axes [N m]
+  double opening = 0.0;                    ///< Mechanism coordinate q [rad or m]
+  double opening_rate = 0.0;               ///< [rad/s or m/s]
+  BasePose base;                           ///< World
+  Pose hand = Pose::Identity();            ///< World
+  Vector3d handle = Vector3d::Zero();      ///< Grip centre, world [m]
+  Vector3d direction = Vector3d::UnitX();  ///< Of the handle's motion for opening, unit, world
+  Vector3d curvature = Vector3d::Zero();   ///< [1/m]
+  Vector3d force = Vector3d::Zero();       ///< Robot on handle, world axes [N]
+  Vector3d torque = Vector3d::Zero();      ///< Robot on handle about the hand, world axes [N m]
   bool grasped = false;
-  JointVector q;                                 ///< Joint positions, shape (n)
-  JointVector dq;                                ///< Joint rates, shape (n)
+  JointVector q;   ///< Joint positions, shape (n)
+  JointVector dq;  ///< Joint rates, shape (n)
 };
 
 /// Gives the truth away; implemented by simulated plants, held by nobody but the log and the judge.
@@ -64,23 +64,23 @@ struct Fault {
 };
 
 struct GraspConfig {
-  double stiffness = 1e4;             ///< Of fingers and handle [N/m]
-  double damping = 100.0;             ///< [N s/m]
-  double rotational_stiffness = 100.0;///< [N m/rad]
-  bool pivots = false;                ///< The bar may turn in the fingers
-  double slip_force = 120.0;          ///< Above this the grip creeps along the force [N]
-  double break_force = 250.0;         ///< Above this it is lost [N]
-  double reach_tolerance = 0.025;     ///< Closing succeeds within this distance of the grip centre [m]
+  double stiffness = 1e4;               ///< Of fingers and handle [N/m]
+  double damping = 100.0;               ///< [N s/m]
+  double rotational_stiffness = 100.0;  ///< [N m/rad]
+  bool pivots = false;                  ///< The bar may turn in the fingers
+  double slip_force = 120.0;            ///< Above this the grip creeps along the force [N]
+  double break_force = 250.0;           ///< Above this it is lost [N]
+  double reach_tolerance = 0.025;       ///< Closing succeeds within this distance of the grip centre [m]
   bool operator==(const GraspConfig&) const = default;
 };
 
 struct WristSensorConfig {
-  double force_bias = 3.0;        ///< Uniform per axis and run, ± [N]
-  double torque_bias = 0.1;       ///< ± [N m]
-  double force_drift = 0.0167;    ///< Standard deviation of the drift rate per axis [N/s]
-  double force_noise = 0.4;       ///< White, per 2 ms sample [N]
-  double torque_noise = 0.03;     ///< [N m]
-  double tool_mass_error = 0.0;   ///< True minus modelled tool mass [kg]
+  double force_bias = 3.0;       ///< Uniform per axis and run, ± [N]
+  double torque_bias = 0.1;      ///< ± [N m]
+  double force_drift = 0.0167;   ///< Standard deviation of the drift rate per axis [N/s]
+  double force_noise = 0.4;      ///< White, per 2 ms sample [N]
+  double torque_noise = 0.03;    ///< [N m]
+  double tool_mass_error = 0.0;  ///< True minus modelled tool mass [kg]
   bool operator==(const WristSensorConfig&) const = default;
 };
 
@@ -101,16 +101,16 @@ struct ArmPlantConfig {
 };
 
 struct PerceptionConfig {
-  double normal_error = 0.0;     ///< Of the seen leaf normal about the vertical, signed [rad]
-  double position_error = 0.003; ///< Of the seen handle, uniform per axis and run, ± [m]
+  double normal_error = 0.0;      ///< Of the seen leaf normal about the vertical, signed [rad]
+  double position_error = 0.003;  ///< Of the seen handle, uniform per axis and run, ± [m]
   bool operator==(const PerceptionConfig&) const = default;
 };
 
 /// Everything that is the same for all simulated plants.
 struct PlantConfig {
-  std::string kind = "mujoco";      ///< mujoco | kinematic
-  double time_step = 0.001;         ///< Of the physics [s]
-  double delay = 0.0;               ///< Of all measurements and commands together [s]
+  std::string kind = "mujoco";  ///< mujoco | kinematic
+  double time_step = 0.001;     ///< Of the physics [s]
+  double delay = 0.0;           ///< Of all measurements and commands together [s]
   GraspConfig grasp;
   WristSensorConfig wrist_sensor;
   BasePlantConfig base;

@@ -16,11 +16,11 @@ inline constexpr double kGravity = 9.81;
 
 /// What goes wrong in one run, drawn once from its seed.
 struct Disturbances {
-  Vector3d force_bias = Vector3d::Zero();        ///< Sensor axes [N]
-  Vector3d torque_bias = Vector3d::Zero();       ///< Sensor axes [N m]
-  Vector3d force_drift = Vector3d::Zero();       ///< Sensor axes [N/s]
-  Vector2d wheel_ratio = Vector2d::Ones();       ///< True over assumed radius, left and right, shape (2) [-]
-  Vector3d sight_error = Vector3d::Zero();       ///< Of the seen handle, world axes [m]
+  Vector3d force_bias = Vector3d::Zero();   ///< Sensor axes [N]
+  Vector3d torque_bias = Vector3d::Zero();  ///< Sensor axes [N m]
+  Vector3d force_drift = Vector3d::Zero();  ///< Sensor axes [N/s]
+  Vector2d wheel_ratio = Vector2d::Ones();  ///< True over assumed radius, left and right, shape (2) [-]
+  Vector3d sight_error = Vector3d::Zero();  ///< Of the seen handle, world axes [m]
 };
 /// Draws them, always in the same order: every plant meets the same run for the same seed.
 [[nodiscard]] Disturbances draw_disturbances(const PlantConfig& config, Random& random);
@@ -125,8 +125,9 @@ class WheelOdometry {
 /// What the camera sees of a handle: in the true base frame, with the position error of the run and the normal and bar
 /// turned about the vertical. Hidden once the gripper closes (the hand covers it).
 /// @param handle  At the closed mechanism  @param moved  Motion of the leaf since then, world  @param X_WB  True base pose
-[[nodiscard]] HandleSight see_handle(const Handle& handle, const Pose& moved, const Pose& X_WB, const PerceptionConfig& config,
-                                     const Disturbances& disturbances, bool gripper_closed) noexcept;
+[[nodiscard]] HandleSight see_handle(const Handle& handle, const Pose& moved, const Pose& X_WB,
+                                     const PerceptionConfig& config, const Disturbances& disturbances,
+                                     bool gripper_closed) noexcept;
 
 /// Thickness that the fingers find at a handle: zero for a recess, for no handle and for more than the gripper's stroke. [m]
 [[nodiscard]] double grip_thickness(const Handle& handle, double stroke) noexcept;
@@ -156,13 +157,14 @@ class Gripper {
 
 /// What reaches the drives in one physics step.
 struct DriveReference {
-  JointVector dq;               ///< shape (n) [rad/s or m/s]
-  double v = 0.0;               ///< [m/s]
-  double w = 0.0;               ///< [rad/s]
+  JointVector dq;  ///< shape (n) [rad/s or m/s]
+  double v = 0.0;  ///< [m/s]
+  double w = 0.0;  ///< [rad/s]
   bool gripper_closed = false;
 };
 
-/// The way of a command to the drives: refusal of non-finite values, transport delay, first-order lags. No allocation in step.
+/// The way of a command to the drives: refusal of non-finite values, transport delay, first-order lags. No allocation in
+/// step.
 class CommandPath {
  public:
   /// @param joints  n  @param step  Of the physics [s]

@@ -8,29 +8,29 @@
 namespace ajar {
 
 struct BaseLawConfig {
-  std::string kind = "corotating";   ///< corotating | distance (the thesis's distance and heading) | line
-  double gain_along = 0.5;           ///< k_x [1/s]
-  double gain_across = 5.0;          ///< k_y [1/m²]
-  double gain_heading = 0.8;         ///< k_θ [1/s]
-  double full_curvature = 1.8;       ///< κ up to which the base follows the whole turning [1/m]
-  double least_share = 0.3;          ///< Smallest share of the turning [-]
-  double distance = 0.75;            ///< Wanted hand-base distance of "distance" and "line" [m]
-  double gain_distance = 1.0;        ///< [1/s]
-  double gain_heading_distance = 2.0;///< [1/s]
+  std::string kind = "corotating";     ///< corotating | distance (the thesis's distance and heading) | line
+  double gain_along = 0.5;             ///< k_x [1/s]
+  double gain_across = 5.0;            ///< k_y [1/m²]
+  double gain_heading = 0.8;           ///< k_θ [1/s]
+  double full_curvature = 1.8;         ///< κ up to which the base follows the whole turning [1/m]
+  double least_share = 0.3;            ///< Smallest share of the turning [-]
+  double distance = 0.75;              ///< Wanted hand-base distance of "distance" and "line" [m]
+  double gain_distance = 1.0;          ///< [1/s]
+  double gain_heading_distance = 2.0;  ///< [1/s]
   bool operator==(const BaseLawConfig&) const = default;
   /// @throws ConfigError
   void validate() const;
 };
 
 struct BaseLawInput {
-  double dt = 0.002;                          ///< [s]
-  BasePose base;                              ///< Odometry
-  Vector3d hand = Vector3d::Zero();           ///< [m]
-  Vector3d direction = Vector3d::UnitX();     ///< x̂
-  Vector3d curvature = Vector3d::Zero();      ///< k̂
-  double wanted_speed = 0.0;                  ///< v_d along x̂ [m/s]
-  double measured_speed = 0.0;                ///< x̂·V, signed; drives the turning of the reference [m/s]
-  double confidence = 0.0;                    ///< 0 … 1: scales the output
+  double dt = 0.002;                       ///< [s]
+  BasePose base;                           ///< Odometry
+  Vector3d hand = Vector3d::Zero();        ///< [m]
+  Vector3d direction = Vector3d::UnitX();  ///< x̂
+  Vector3d curvature = Vector3d::Zero();   ///< k̂
+  double wanted_speed = 0.0;               ///< v_d along x̂ [m/s]
+  double measured_speed = 0.0;             ///< x̂·V, signed; drives the turning of the reference [m/s]
+  double confidence = 0.0;                 ///< 0 … 1: scales the output
 };
 
 struct BaseLawOutput {

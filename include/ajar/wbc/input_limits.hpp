@@ -8,24 +8,24 @@ namespace ajar {
 
 /// Limits of the inputs as the controllers use them: the robot's own, tightened by the configuration.
 struct InputLimits {
-  int joints = 0;               ///< n
-  bool base_moves = false;      ///< False: a robot bolted to the floor
-  JointVector position_lower;   ///< Margin taken off, shape (n) [rad or m]
-  JointVector position_upper;   ///< Margin taken off, shape (n) [rad or m]
-  InputVector speed_lower;      ///< shape (n + 2) [rad/s or m/s]
-  InputVector speed_upper;      ///< shape (n + 2) [rad/s or m/s]
-  InputVector acceleration;     ///< shape (n + 2) [rad/s² or m/s²]
-  double wheel_reach = 0.0;     ///< Rim speed at the wheel-speed limit [m/s]
-  double half_track = 0.0;      ///< Half the distance of the driven wheels [m]
-  double period = 0.002;        ///< [s]
+  int joints = 0;              ///< n
+  bool base_moves = false;     ///< False: a robot bolted to the floor
+  JointVector position_lower;  ///< Margin taken off, shape (n) [rad or m]
+  JointVector position_upper;  ///< Margin taken off, shape (n) [rad or m]
+  InputVector speed_lower;     ///< shape (n + 2) [rad/s or m/s]
+  InputVector speed_upper;     ///< shape (n + 2) [rad/s or m/s]
+  InputVector acceleration;    ///< shape (n + 2) [rad/s² or m/s²]
+  double wheel_reach = 0.0;    ///< Rim speed at the wheel-speed limit [m/s]
+  double half_track = 0.0;     ///< Half the distance of the driven wheels [m]
+  double period = 0.002;       ///< [s]
 };
 
 /// What the inputs may be in this tick, and which limit each bound comes from. lower ≤ upper always.
 struct InputBounds {
-  InputVector rate_lower;                               ///< Without the acceleration limits: ≤ 0, shape (n + 2)
-  InputVector rate_upper;                               ///< Without the acceleration limits: ≥ 0, shape (n + 2)
-  InputVector lower;                                    ///< shape (n + 2) [rad/s, m/s]
-  InputVector upper;                                    ///< shape (n + 2) [rad/s, m/s]
+  InputVector rate_lower;  ///< Without the acceleration limits: ≤ 0, shape (n + 2)
+  InputVector rate_upper;  ///< Without the acceleration limits: ≥ 0, shape (n + 2)
+  InputVector lower;       ///< shape (n + 2) [rad/s, m/s]
+  InputVector upper;       ///< shape (n + 2) [rad/s, m/s]
   std::array<BindingLimit, kMaxInputs> lower_limit{};
   std::array<BindingLimit, kMaxInputs> upper_limit{};
 };

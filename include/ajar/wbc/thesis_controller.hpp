@@ -7,15 +7,15 @@
 namespace ajar {
 
 struct ThesisConfig {
-  double w_base = 100.0;          ///< ρ of the base inputs in W, joints have 1 [-]
-  double lambda_max = 0.05;       ///< Damping at a singularity [m/s]
-  double epsilon = 0.05;          ///< σ_min of S J W^(-1/2) below which damping starts [m/s]
-  double alpha1 = 20.0;           ///< Of the distance task z1 [1/s]
-  double alpha2 = 2.0;            ///< Of the heading task z2 [1/s]
-  double alpha3 = 0.1;            ///< Of its integral [1/s²]; unused with feed-forward
-  double distance = 0.75;         ///< Wanted hand-base distance [m]
-  bool feed_forward = true;       ///< ψ̇ instead of the integral
-  double integral_max = 0.5;      ///< Bound of the integral of the heading error [rad s]
+  double w_base = 100.0;      ///< ρ of the base inputs in W, joints have 1 [-]
+  double lambda_max = 0.05;   ///< Damping at a singularity [m/s]
+  double epsilon = 0.05;      ///< σ_min of S J W^(-1/2) below which damping starts [m/s]
+  double alpha1 = 20.0;       ///< Of the distance task z1 [1/s]
+  double alpha2 = 2.0;        ///< Of the heading task z2 [1/s]
+  double alpha3 = 0.1;        ///< Of its integral [1/s²]; unused with feed-forward
+  double distance = 0.75;     ///< Wanted hand-base distance [m]
+  bool feed_forward = true;   ///< ψ̇ instead of the integral
+  double integral_max = 0.5;  ///< Bound of the integral of the heading error [rad s]
   bool operator==(const ThesisConfig&) const = default;
   /// @throws ConfigError
   void validate() const;

@@ -9,25 +9,26 @@
 namespace ajar {
 
 struct WbcConfig {
-  double hand_weight = 1e4;           ///< Hand twist rows [-]
-  double speed_weight = 1.0;          ///< Tangential speed factor towards 1 [-]
-  double base_speed_weight = 20.0;    ///< (v - v_ref)² [s²/m²]
-  double base_turn_weight = 1.8;      ///< (ω - ω_ref)² [s²/rad²]
-  double rate_weight = 1e-2;          ///< (q̇_i / q̇_max)² [-]
-  double slack_weight = 1e6;          ///< Of the one common slack of the clearance rows [-]
-  double length = 0.3;                ///< L: scale of the rotation rows [m]
-  double singular_onset = 0.08;       ///< σ_min below which joint rates are damped [-]
-  double singular_damping = 3.0;      ///< At σ_min = 0 [-]
-  double base_share = 0.5;            ///< ρ_b: part of the base motion taken as commanded, the rest as measured (physics: slow base) [-]
-  double free_axis_weight = 0.2;      ///< Of the weak turn about a free grip axis [-]
-  double rate_scale = 0.32;           ///< Joint rates used, share of the limit [-]
-  double joint_acceleration = 8.0;    ///< Upper bound on the model's own limit [rad/s²]
-  double base_forward = 0.3;          ///< [m/s]
-  double base_reverse = 0.3;          ///< [m/s]
-  double base_yaw_rate = 0.6;         ///< [rad/s]
-  double base_acceleration = 0.2;     ///< [m/s²]
-  double base_yaw_acceleration = 0.5; ///< [rad/s²]
-  double position_margin = 0.02;      ///< Kept from each joint limit [rad]
+  double hand_weight = 1e4;         ///< Hand twist rows [-]
+  double speed_weight = 1.0;        ///< Tangential speed factor towards 1 [-]
+  double base_speed_weight = 20.0;  ///< (v - v_ref)² [s²/m²]
+  double base_turn_weight = 1.8;    ///< (ω - ω_ref)² [s²/rad²]
+  double rate_weight = 1e-2;        ///< (q̇_i / q̇_max)² [-]
+  double slack_weight = 1e6;        ///< Of the one common slack of the clearance rows [-]
+  double length = 0.3;              ///< L: scale of the rotation rows [m]
+  double singular_onset = 0.08;     ///< σ_min below which joint rates are damped [-]
+  double singular_damping = 3.0;    ///< At σ_min = 0 [-]
+  double base_share =
+      0.5;  ///< ρ_b: part of the base motion taken as commanded, the rest as measured (physics: slow base) [-]
+  double free_axis_weight = 0.2;       ///< Of the weak turn about a free grip axis [-]
+  double rate_scale = 0.32;            ///< Joint rates used, share of the limit [-]
+  double joint_acceleration = 8.0;     ///< Upper bound on the model's own limit [rad/s²]
+  double base_forward = 0.3;           ///< [m/s]
+  double base_reverse = 0.3;           ///< [m/s]
+  double base_yaw_rate = 0.6;          ///< [rad/s]
+  double base_acceleration = 0.2;      ///< [m/s²]
+  double base_yaw_acceleration = 0.5;  ///< [rad/s²]
+  double position_margin = 0.02;       ///< Kept from each joint limit [rad]
   bool operator==(const WbcConfig&) const = default;
   /// @throws ConfigError
   void validate() const;
@@ -35,39 +36,48 @@ struct WbcConfig {
 
 /// One tick's problem. Twists are linear first, world axes, at the hand.
 struct WbcProblem {
-  const Kinematics* kinematics = nullptr;   ///< At the measured state
-  const JointVector* q = nullptr;           ///< Measured positions
-  InputVector measured;                     ///< Measured (q̇, ω, v)
-  Vector6d tangential = Vector6d::Zero();   ///< Scaled by the speed factor s
-  Vector6d correction = Vector6d::Zero();   ///< Never scaled
-  Vector3d free_axis = Vector3d::Zero();    ///< Grip turns freely about it: that row becomes weak; zero = none
-  double free_axis_rate = 0.0;              ///< Weakly wanted turn about it, replaces that part of both twists [rad/s]
-  BaseTwist base;                           ///< Wanted base motion
-  bool base_fixed = false;                  ///< Base must stand
+  const Kinematics* kinematics = nullptr;      ///< At the measured state
+  const JointVector* q = nullptr;              ///< Measured positions
+  InputVector measured;                        ///< Measured (q̇, ω, v)
+  Vector6d tangential = Vector6d::Zero();      ///< Scaled by the speed factor s
+  Vector6d correction = Vector6d::Zero();      ///< Never scaled
+  Vector3d free_axis = Vector3d::Zero();       ///< Grip turns freely about it: that row becomes weak; zero = none
+  double free_axis_rate = 0.0;                 ///< Weakly wanted turn about it, replaces that part of both twists [rad/s]
+  BaseTwist base;                              ///< Wanted base motion
+  bool base_fixed = false;                     ///< Base must stand
   const ClearanceResult* clearance = nullptr;  ///< nullptr = no rows
-  ClearanceConfig clearance_config;         ///< Distances and rates that turn the distances into rows
-  Vector3d leaf_velocity_at_hand = Vector3d::Zero(); ///< Of the believed leaf at the hand for s = 1 [m/s]
-  Vector3d leaf_turn = Vector3d::Zero();    ///< Of the believed leaf for s = 1 [rad/s]
-  int leaf_obstacle = -1;                   ///< Which obstacle index moves with the leaf
+  ClearanceConfig clearance_config;            ///< Distances and rates that turn the distances into rows
+  Vector3d leaf_velocity_at_hand = Vector3d::Zero();  ///< Of the believed leaf at the hand for s = 1 [m/s]
+  Vector3d leaf_turn = Vector3d::Zero();              ///< Of the believed leaf for s = 1 [rad/s]
+  int leaf_obstacle = -1;                             ///< Which obstacle index moves with the leaf
 };
 
 enum class WbcStatus {
-  Ok,        ///< Hand task met
-  Slowed,    ///< s < 1: some limit binds
-  Limited,   ///< The hand task itself is not met
-  Damped,    ///< Near a singular arm
-  Invalid    ///< Input not finite or the solver failed; the command brakes within the limits
+  Ok,       ///< Hand task met
+  Slowed,   ///< s < 1: some limit binds
+  Limited,  ///< The hand task itself is not met
+  Damped,   ///< Near a singular arm
+  Invalid   ///< Input not finite or the solver failed; the command brakes within the limits
 };
 
 /// Which limit binds most.
-enum class BindingLimit { None, JointPosition, JointRate, JointAcceleration, BaseSpeed, WheelSpeed, BaseAcceleration, Clearance };
+enum class BindingLimit {
+  None,
+  JointPosition,
+  JointRate,
+  JointAcceleration,
+  BaseSpeed,
+  WheelSpeed,
+  BaseAcceleration,
+  Clearance
+};
 
 struct WbcSolution {
-  InputVector u;                     ///< (q̇, ω, v), always finite and inside the limits
-  double speed_factor = 0.0;         ///< s in [0, 1]
-  double residual = 0.0;             ///< Of the hand's linear rows [m/s]
-  double sigma_min = 0.0;            ///< Of the arm (docs/equations.md#sigma)
-  double slack = 0.0;                ///< Of the clearance rows [m/s]
+  InputVector u;              ///< (q̇, ω, v), always finite and inside the limits
+  double speed_factor = 0.0;  ///< s in [0, 1]
+  double residual = 0.0;      ///< Of the hand's linear rows [m/s]
+  double sigma_min = 0.0;     ///< Of the arm (docs/equations.md#sigma)
+  double slack = 0.0;         ///< Of the clearance rows [m/s]
   WbcStatus status = WbcStatus::Invalid;
   BindingLimit binding = BindingLimit::None;
 };
