@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "ajar/core/error.hpp"
 #include "ajar/core/random.hpp"
@@ -86,8 +88,8 @@ void check_reach(const ajar::Scenario& scenario, const ajar::RobotModel& model) 
   const ajar::HandleBelief belief{handle.position, handle.normal, handle.bar, handle.standoff, handle.thickness};
   ajar::Random random(1);
   if (reaches(model, belief, handle.position.z(), random)) return;
-  double lowest = INFINITY;
-  double highest = -INFINITY;
+  double lowest = std::numeric_limits<double>::infinity();
+  double highest = -lowest;
   for (double height = 0.0; height < 2.55; height += 0.1) {
     if (!reaches(model, belief, height, random)) continue;
     lowest = std::min(lowest, height);
