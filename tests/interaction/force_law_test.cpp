@@ -61,7 +61,7 @@ ForceLawConfig proportional() {
 TEST(ForceLaw, GainFollowsStiffnessAndRate) {
   ForceLawConfig config;
   config.total_stiffness = 7e3;
-  EXPECT_NEAR(ForceLaw(config, 0.008, 0.02).gain(), 0.3 / (7e3 * 0.028), 1e-15);
+  EXPECT_NEAR(ForceLaw(config, 0.008, 0.02).gain(), config.stability_number / (7e3 * 0.028), 1e-15);
   EXPECT_EQ(ForceLaw(config, 0.002, 0.0).gain(), config.gain_max);
   EXPECT_NEAR(loop_gain(1.0, 0.3, 3e4, 0.1), 1e-4, 1e-15);
 }
@@ -188,13 +188,22 @@ TEST(WantedSpeed, FallsToZeroAtThePullLimit) {
   SpeedInput input;
   input.confidence = 1.0;
   double last = wanted_speed(input, config);
-  for (double force = 0.0; force <= 50.0; force += 1.0) {
+  for (double force = 0.0; force <= config.force_limit + 5.0; force += 1.0) {
     input.pull_force = force;
     const double speed = wanted_speed(input, config);
     EXPECT_LE(speed, last);
     last = speed;
   }
   EXPECT_EQ(last, 0.0);
+}
+
+TEST(WantedSpeed, StandsAtTheForceCapWhileTheDirectionIsUnsure) {
+  const ForceLawConfig config;
+  SpeedInput input;
+  input.force_cap = 16.0;
+  EXPECT_NEAR(wanted_speed(input, config), config.speed_start, 1e-12);
+  input.pull_force = 16.0;
+  EXPECT_EQ(wanted_speed(input, config), 0.0);
 }
 
 TEST(SpeedLaw, RampsWithinItsAccelerations) {
@@ -204,7 +213,7 @@ TEST(SpeedLaw, RampsWithinItsAccelerations) {
   input.confidence = 1.0;
   double last = 0.0;
   for (int tick = 0; tick < 1500; ++tick) {
-    input.pull_force = tick > 1000 ? 60.0 : 0.0;
+    input.pull_force = tick > 1000 ? config.force_limit + 15.0 : 0.0;
     const double speed = law.step(input);
     EXPECT_LE(speed - last, config.acceleration * kPeriod + 1e-12);
     if (tick < 1000) {
@@ -215,7 +224,7 @@ TEST(SpeedLaw, RampsWithinItsAccelerations) {
       EXPECT_NEAR(speed, config.speed, 1e-9);
     }
   }
-  // 60 N: 25 N above the reserve asks for 5 cm/s backward, bounded.
+  // 15 N over the limit: 25 N above the reserve asks for 5 cm/s backward, bounded.
   EXPECT_NEAR(last, -config.give_speed, 1e-12);
 }
 

@@ -110,7 +110,8 @@ TEST_F(HeronWbc, ApproachesAWallOnlyAtTheAllowedRate) {
   p.clearance = &clearance;
   p.base = {0.2, 0.0};
   const WbcSolution out = settle(wbc, p);
-  EXPECT_NEAR(out.u[kSpeed], 1.0 * (0.10 - 0.04), 1e-3);
+  const ClearanceLimits limits = ClearanceConfig{}.base_world;
+  EXPECT_NEAR(out.u[kSpeed], limits.rate * (0.10 - limits.stop), 1e-3);
   EXPECT_EQ(out.binding, BindingLimit::Clearance);
 }
 
