@@ -8,6 +8,7 @@ namespace {
 constexpr double kSpeedFilter = 0.1;   // low-pass of the measured speed [s]
 constexpr double kHeldFactor = 0.1;    // the controller lets nearly nothing of the wanted motion through
 constexpr double kPullingShare = 0.6;  // of the allowed force; the speed law fades out over the rest
+constexpr double kWantsOn = 0.5;        // speed factor above which the hand does as the speed law wants
 constexpr double kLargestDoubt = 0.1;  // an angle less certain than this does not delay the goal further [rad]
 
 }  // namespace
@@ -34,7 +35,9 @@ EndDetector::Verdict EndDetector::step(const EndInput& in, const MechanismEstima
   const bool at_limit = in.pull_force > force_limit_ - config_.reserve;
   const bool too_heavy = in.running_force + config_.stop_force > force_limit_ - config_.reserve;
   if (arc > config_.stop_arc && still_ > config_.stop_time) {
-    if (!too_heavy && in.pull_force > in.running_force + config_.stop_force) return Verdict::Stop;
+    // A stop is met by a hand that wants on: while the controller itself holds the hand back, force is no evidence.
+    const bool wants_on = held_ == 0.0 && in.speed_factor > kWantsOn;
+    if (wants_on && !too_heavy && in.pull_force > in.running_force + config_.stop_force) return Verdict::Stop;
     if (too_heavy && at_limit && still_ > config_.blocked_time) return Verdict::TooHeavy;
   }
   const bool pulls = in.pull_force > kPullingShare * std::min(in.force_cap, force_limit_);

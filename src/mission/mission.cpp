@@ -55,6 +55,7 @@ void MissionConfig::validate() const {
   navigation.validate();
   planner.validate();
   wbc.validate();
+  thesis.validate();
   base_law.validate();
   force.validate();
   estimator.validate();
@@ -117,7 +118,7 @@ std::string Mission::explain() const {
     case EndReason::ApproachBlocked: return "the base did not arrive where it should stand";
     case EndReason::GraspMissed: return "the fingers closed on nothing, three times";
     case EndReason::GraspLost: return fmt::format("the handle was lost: {}", seen);
-    case EndReason::Locked: return fmt::format("nothing gives at {:.0f} N in any direction", m.prober.force());
+    case EndReason::Locked: return fmt::format("nothing gives at {:.0f} N in any direction", m.prober.strongest());
     case EndReason::NeedsMoreForce:
       return fmt::format("needs more than {:.0f} N at the handle: {}", m.config.limits.force - 8.0, seen);
     case EndReason::Stalled: return fmt::format("stands still without force: {}", seen);

@@ -32,7 +32,9 @@ Opener::Opener(const RobotModel& model, const MissionConfig& config)
       force_law_(config.force, config.period, config.dead_time),
       speed_law_(config.force, config.period),
       base_law_(config.base_law),
-      ends_(EndConfig{}, config.goal, config.limits.force) {}
+      ends_(EndConfig{}, config.goal, config.limits.force) {
+  if (config.controller == "thesis") thesis_.emplace(model, config.thesis, config.wbc, config.period);
+}
 
 void Opener::start(const RobotState& state, const Kinematics& kinematics, const HandleBelief& belief,
                    const Vector3d& direction) noexcept {
@@ -51,6 +53,7 @@ void Opener::redirect(const Kinematics& kinematics, const Vector3d& direction, d
   force_law_.reset();
   speed_law_.reset();
   ends_.reset();
+  if (thesis_) thesis_->reset();  // the robot stands
   base_lag_ = 0.0;
   start_force_ = std::max(config_.force.start_force, force);
 }
@@ -71,6 +74,16 @@ double Opener::speed_cap(const MechanismEstimate& estimate) const noexcept {
 double Opener::force_cap(const MechanismEstimate& estimate) const noexcept {
   const double sure = estimate.fitted ? std::clamp((kUnsure - estimate.direction_sigma) / (kUnsure - kSure), 0.0, 1.0) : 0.0;
   return start_force_ + sure * std::max(0.0, config_.force.force_limit - start_force_);
+}
+
+void Opener::solve(const WbcProblem& problem, WholeBodyController& controller, WbcSolution& out) noexcept {
+  // The status travels in the solution.
+  if (!thesis_) {
+    (void)controller.solve(problem, out);
+    return;
+  }
+  (void)thesis_->solve(problem, out);
+  controller.reset(out.u);  // letting go brakes from here
 }
 
 EndDetector::Verdict Opener::step(const RobotState& state, const Kinematics& kin, const HandWrench& wrench,
@@ -118,7 +131,7 @@ EndDetector::Verdict Opener::step(const RobotState& state, const Kinematics& kin
                                 .wanted_speed = speed,
                                 .measured_speed = along,
                                 .confidence = sure});
-  base_lag_ = record.base.lag;
+  base_lag_ = thesis_ ? 0.0 : record.base.lag;  // the thesis's law follows no base pose: it is only compared with it
 
   // What is near.
   scene_.update(estimate, kin.X_WE.translation(), pivots ? turned_ : log_so3(R * R_grasp_.transpose()));
@@ -146,7 +159,7 @@ EndDetector::Verdict Opener::step(const RobotState& state, const Kinematics& kin
   problem.leaf_velocity_at_hand = speed * x;
   problem.leaf_turn = speed * k;
   problem.leaf_obstacle = kLeafObstacle;
-  (void)controller.solve(problem, record.solution);  // its status travels in the solution
+  solve(problem, controller, record.solution);
 
   record.estimate = estimate;
   record.wanted_speed = speed;

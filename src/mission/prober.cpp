@@ -12,6 +12,7 @@ constexpr double kReturnGain = 3.0;     // [1/s]
 constexpr double kReturnGive = 1e-3;    // [m/(N s)]
 constexpr double kReturned = 2e-3;      // [m]
 constexpr double kStill = 2e-3;         // [m/s]
+constexpr double kLongestPush = 3.0;    // over the usual time [-]
 constexpr double kSpeedFilter = 0.03;   // encoder steps between two ticks are no motion [s]
 constexpr double kTrustMotion = 0.015;  // below this the measured direction is partly elastic: mix in the axis [m]
 
@@ -112,7 +113,10 @@ Vector6d Prober::step(const Pose& hand, const HandWrench& wrench, double dt) noe
   }
   filtered_speed_ += std::min(1.0, dt / kSpeedFilter) * (speed - filtered_speed_);
   blocked_ = pull > force() - 0.6 * kForceBand && filtered_speed_ < kStill ? blocked_ + dt : 0.0;
-  if (moved.norm() > config_.reach || time_ > config_.push_time || blocked_ > config_.blocked_time) end_push();
+  // A handle that moves may finish its way, however slowly it gives.
+  const bool too_long =
+      time_ > config_.push_time && (filtered_speed_ < 2.0 * kStill || time_ > kLongestPush * config_.push_time);
+  if (moved.norm() > config_.reach || too_long || blocked_ > config_.blocked_time) end_push();
   return twist;
 }
 

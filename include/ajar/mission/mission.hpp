@@ -12,6 +12,7 @@
 #include "ajar/navigation/navigator.hpp"
 #include "ajar/planning/grasp_planner.hpp"
 #include "ajar/wbc/base_law.hpp"
+#include "ajar/wbc/thesis_controller.hpp"
 #include "ajar/wbc/whole_body_controller.hpp"
 
 namespace ajar {
@@ -72,6 +73,7 @@ struct MissionConfig {
   NavigationConfig navigation;
   PlannerConfig planner;
   WbcConfig wbc;
+  ThesisConfig thesis;  ///< Used by controller = thesis only
   BaseLawConfig base_law;
   ForceLawConfig force;
   EstimatorConfig estimator;
@@ -80,7 +82,7 @@ struct MissionConfig {
   MissionLimits limits;
   double period = 0.002;          ///< Control period [s]
   double dead_time = 0.0;         ///< Transport delay that the robot knows of [s]
-  std::string controller = "qp";  ///< qp | thesis
+  std::string controller = "qp";  ///< qp | thesis; the law while the handle is moved, the rest is the QP's
   /// @throws ConfigError
   void validate() const;
 };

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <optional>
+
 #include "ajar/mission/end_detector.hpp"
 #include "ajar/mission/mission.hpp"
 #include "ajar/mission/scene_belief.hpp"
@@ -20,7 +22,8 @@ class Opener {
   /// @param force  Pull that the first centimetres may take: what probing needed, 0 = the start force [N]
   void redirect(const Kinematics& kinematics, const Vector3d& direction, double force = 0.0) noexcept;
 
-  /// One tick of opening: fills estimate, reference, base and solution of the record.
+  /// One tick of opening: fills estimate, reference, base and solution of the record. With the thesis's law the controller
+  /// only learns what was commanded, so that it can go on from there.
   /// No allocation, no exception, bounded time.
   [[nodiscard]] EndDetector::Verdict step(const RobotState& state, const Kinematics& kinematics, const HandWrench& wrench,
                                           WholeBodyController& controller, ClearanceChecker& clearance,
@@ -36,6 +39,7 @@ class Opener {
   [[nodiscard]] double confidence(const MechanismEstimate& estimate) const noexcept;
   [[nodiscard]] double speed_cap(const MechanismEstimate& estimate) const noexcept;
   [[nodiscard]] double force_cap(const MechanismEstimate& estimate) const noexcept;
+  void solve(const WbcProblem& problem, WholeBodyController& controller, WbcSolution& out) noexcept;
 
   const RobotModel& model_;
   MissionConfig config_;
@@ -43,6 +47,7 @@ class Opener {
   ForceLaw force_law_;
   SpeedLaw speed_law_;
   BaseLaw base_law_;
+  std::optional<ThesisController> thesis_;  // instead of the QP; the base law is then only recorded
   EndDetector ends_;
   SceneBelief scene_;
   ClearanceResult clearances_;

@@ -39,6 +39,8 @@ class Prober {
   [[nodiscard]] const Vector3d& direction() const noexcept { return direction_; }
   /// Force of the present push [N].
   [[nodiscard]] double force() const noexcept;
+  /// Force of the strongest push [N].
+  [[nodiscard]] double strongest() const noexcept { return config_.forces.back(); }
 
  private:
   void end_push() noexcept;
