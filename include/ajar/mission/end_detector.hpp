@@ -49,6 +49,7 @@ class EndDetector {
   double speed_ = 0.0;
   double still_ = 0.0;
   double held_ = 0.0;
+  double pressed_ = 0.0;
 };
 
 }  // namespace ajar
