@@ -75,6 +75,18 @@ void bind(Section s, WbcConfig& c) {
   s.number("position_margin", c.position_margin, kNotNegative, "rad", "kept from each joint limit");
 }
 
+void bind(Section s, ThesisConfig& c) {
+  s.number("w_base", c.w_base, kPositive, "-", "weight of the base inputs, joints have 1");
+  s.number("lambda_max", c.lambda_max, {0.0, 10.0}, "m/s", "damping at a singularity");
+  s.number("epsilon", c.epsilon, {0.0, 10.0, true}, "m/s", "smallest weighted singular value below which damping starts");
+  s.number("alpha1", c.alpha1, {0.0, 1000.0}, "1/s", "gain of the distance task");
+  s.number("alpha2", c.alpha2, {0.0, 1000.0}, "1/s", "gain of the heading task");
+  s.number("alpha3", c.alpha3, {0.0, 1000.0}, "1/s²", "integral gain of the heading task, without feed-forward");
+  s.number("distance", c.distance, {0.1, 5.0}, "m", "wanted between hand and base");
+  s.flag("feed_forward", c.feed_forward, "turning rate of the motion instead of the integral");
+  s.number("integral_max", c.integral_max, {0.0, 100.0}, "rad s", "bound of the integral of the heading error");
+}
+
 void bind(Section s, BaseLawConfig& c) {
   s.word("kind", c.kind, {"corotating", "distance", "line"}, "a pose that turns with the mechanism, or the thesis's laws");
   s.number("gain_along", c.gain_along, kPositive, "1/s", "along the wanted pose");
@@ -142,6 +154,7 @@ void bind_control(Section s, MissionConfig& mission) {
   bind(s.table("force"), mission.force);
   bind(s.table("estimator"), mission.estimator);
   bind(s.table("wbc"), mission.wbc);
+  bind(s.table("thesis"), mission.thesis);
   bind(s.table("base_law"), mission.base_law);
   bind(s.table("navigation"), mission.navigation);
   bind(s.table("planner"), mission.planner);

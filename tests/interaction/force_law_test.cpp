@@ -178,7 +178,7 @@ TEST(WantedSpeed, RisesWithConfidenceAndWaitsForTheBase) {
   input.base_lag = 0.11;
   EXPECT_NEAR(wanted_speed(input, config), config.speed_start + 0.5 * (config.speed - config.speed_start), 1e-12);
   input.base_lag = 1.0;
-  EXPECT_NEAR(wanted_speed(input, config), config.speed_start + 0.05 * (config.speed - config.speed_start), 1e-12);
+  EXPECT_NEAR(wanted_speed(input, config), config.speed_start + 0.2 * (config.speed - config.speed_start), 1e-12);
   input.speed_cap = 0.01;
   EXPECT_NEAR(wanted_speed(input, config), 0.01, 1e-15);
 }

@@ -17,9 +17,9 @@
 namespace ajar {
 namespace {
 
-struct Run {
+struct Opening {
   bool reached_goal = false;
-  double opening = 0.0;        // true [rad]
+  double angle = 0.0;          // true [rad]
   double heading_error = 0.0;  // between the base's driving line and the motion when the goal is reached, [0, π/2] [rad]
   double farthest = 0.0;       // largest distance between hand and base in the second half of the opening [m]
   double excess_rate = -1.0;   // largest command beyond a speed limit, over that limit [-]
@@ -33,7 +33,7 @@ double angle_to_motion(const MissionRecord& record) {
   return std::abs(wrap_angle(2.0 * (std::atan2(k.J(1, drive), k.J(0, drive)) - std::atan2(x.y(), x.x())))) / 2.0;
 }
 
-void watch_limits(const InputLimits& limits, const InputVector& last, const InputVector& u, Run& run) {
+void watch_limits(const InputLimits& limits, const InputVector& last, const InputVector& u, Opening& run) {
   for (int i = 0; i < u.size(); ++i) {
     run.excess_rate = std::max(run.excess_rate, std::abs(u[i]) / limits.speed_upper[i] - 1.0);
     run.excess_step = std::max(run.excess_step, std::abs(u[i] - last[i]) / (limits.acceleration[i] * limits.period) - 1.0);
@@ -42,7 +42,7 @@ void watch_limits(const InputLimits& limits, const InputVector& last, const Inpu
   run.excess_rate = std::max(run.excess_rate, rim / limits.wheel_reach - 1.0);
 }
 
-Run open_door(const MissionConfig& config) {
+Opening open_door(const MissionConfig& config) {
   const RobotModel robot = load_robot("heron");
   MechanismConfig door;
   door.radius = 0.8;
@@ -52,7 +52,7 @@ Run open_door(const MissionConfig& config) {
   plant.reset(1);
   Mission mission(robot, config, Vector3d(0.3, -0.95, 0.0).normalized(), 1);
   const InputLimits limits = make_input_limits(robot, config.wbc, config.period);
-  Run run;
+  Opening run;
   InputVector last = InputVector::Zero(robot.inputs());
   InputVector u = last;
   RobotState state = plant.measure();
@@ -73,7 +73,7 @@ Run open_door(const MissionConfig& config) {
     state = plant.measure();
   }
   run.reached_goal = mission.reached_goal();
-  run.opening = plant.truth().opening;
+  run.angle = plant.truth().opening;
   return run;
 }
 
@@ -84,18 +84,18 @@ MissionConfig with_controller(const char* controller) {
 }
 
 TEST(ThesisMission, OpensWithTheBaseAlongTheMotionAsTheQpDoesNot) {
-  const Run thesis = open_door(with_controller("thesis"));
-  const Run qp = open_door(with_controller("qp"));
+  const Opening thesis = open_door(with_controller("thesis"));
+  const Opening qp = open_door(with_controller("qp"));
   EXPECT_TRUE(thesis.reached_goal);
   EXPECT_TRUE(qp.reached_goal);
-  EXPECT_GT(thesis.opening, 0.98 * std::numbers::pi / 2.0);
+  EXPECT_GT(thesis.angle, 0.98 * std::numbers::pi / 2.0);
   // The tasks of distance and heading share two degrees of freedom: a few degrees remain.
   EXPECT_LT(thesis.heading_error, 0.15);
   EXPECT_GT(qp.heading_error, 2.0 * thesis.heading_error + 0.1);
 }
 
 TEST(ThesisMission, StaysInsideItsLimitsUntilTheHandStandsAgain) {
-  const Run run = open_door(with_controller("thesis"));
+  const Opening run = open_door(with_controller("thesis"));
   EXPECT_LE(run.excess_rate, 1e-9);
   EXPECT_LE(run.excess_step, 1e-6);
 }
@@ -103,9 +103,9 @@ TEST(ThesisMission, StaysInsideItsLimitsUntilTheHandStandsAgain) {
 TEST(ThesisMission, KeepsTheDistanceThatItIsTold) {
   MissionConfig config = with_controller("thesis");
   config.thesis.distance = 0.65;
-  const Run near = open_door(config);
+  const Opening near = open_door(config);
   config.thesis.distance = 0.85;
-  const Run far = open_door(config);
+  const Opening far = open_door(config);
   EXPECT_GT(far.farthest, near.farthest + 0.05);
 }
 
