@@ -38,6 +38,7 @@ const char* to_string(EndReason reason) noexcept {
     case EndReason::GraspMissed: return "grasp_missed";
     case EndReason::GraspLost: return "grasp_lost";
     case EndReason::Locked: return "locked";
+    case EndReason::OpensAway: return "opens_away";
     case EndReason::NeedsMoreForce: return "needs_more_force";
     case EndReason::Stalled: return "stalled";
     case EndReason::ClearanceStop: return "clearance_stop";
@@ -119,6 +120,8 @@ std::string Mission::explain() const {
     case EndReason::GraspMissed: return "the fingers closed on nothing, three times";
     case EndReason::GraspLost: return fmt::format("the handle was lost: {}", seen);
     case EndReason::Locked: return fmt::format("nothing gives at {:.0f} N in any direction", m.prober.strongest());
+    case EndReason::OpensAway:
+      return fmt::format("it opens away from the robot, and pushing through a doorway is not attempted: {}", seen);
     case EndReason::NeedsMoreForce:
       return fmt::format("needs more than {:.0f} N at the handle: {}", m.config.limits.force - 8.0, seen);
     case EndReason::Stalled: return fmt::format("stands still without force: {}", seen);

@@ -29,6 +29,8 @@ constexpr double kHeldOpening = 0.003;  // fingers farther apart than this hold 
 constexpr int kMaxMisses = 3;
 constexpr int kMaxProbes = 3;
 constexpr double kProbeReserve = 8.0;    // over the force that moved it in probing [N]
+constexpr double kAwayArc = 0.04;        // a direction this far travelled is felt, not guessed [m]
+constexpr double kAwayCosine = -0.5;     // more into the wall than along it
 constexpr double kRelease = 1e-3;        // gives way to what force is left: half of α_f [m/(N s)]
 constexpr double kReleaseTurn = 0.05;    // [rad/(N m s)]
 constexpr double kRelaxTime = 0.3;       // standstill before the fingers open [s]
@@ -224,6 +226,12 @@ void Mission::Impl::open(const RobotState& state) noexcept {
     return;
   }
   const EndDetector::Verdict verdict = opener.step(state, record.kinematics, record.wrench, controller, clearance, record);
+  const MechanismEstimate& estimate = record.estimate;
+  const bool away = estimate.fitted && estimate.arc > kAwayArc && estimate.direction.dot(handle.normal) < kAwayCosine;
+  if (away && verdict == EndDetector::Verdict::Going) {
+    process(Event::Ended, EndReason::OpensAway);
+    return;
+  }
   command_solution();
   switch (verdict) {
     case EndDetector::Verdict::Going: break;

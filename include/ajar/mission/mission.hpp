@@ -32,6 +32,7 @@ enum class EndReason {
   GraspMissed,
   GraspLost,
   Locked,          ///< Nothing moves at the force limit
+  OpensAway,       ///< Gives away from the robot: pushing through a doorway is not attempted
   NeedsMoreForce,  ///< Moved, then needed more than the limit
   Stalled,         ///< Standstill without force
   ClearanceStop,   ///< A clearance limit stops it
