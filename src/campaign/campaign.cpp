@@ -124,6 +124,7 @@ class Pool {
     int jobs = options_.jobs > 0 ? options_.jobs : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
     jobs = std::clamp(jobs, 1, std::max(1, campaign_.runs - next_.load()));
     std::vector<std::thread> threads;
+    threads.reserve(static_cast<std::size_t>(jobs));
     for (int i = 0; i < jobs; ++i) threads.emplace_back([this] { take_runs(); });
     for (std::thread& thread : threads) thread.join();
     if (failure_) std::rethrow_exception(failure_);
@@ -190,7 +191,7 @@ class Pool {
     options.stop = options_.stop;
     const std::filesystem::path folder = options_.out / "runs" / fmt::format("{:05d}", index);
     if (options_.keep == Keep::All) options.folder = folder;
-    const RunResult result = run_(scenario, options);
+    RunResult result = run_(scenario, options);
     if (options_.keep != Keep::Failed || result.exit_code() == 0 || stopped()) return result;
     options.folder = folder;
     return run_(scenario, options);

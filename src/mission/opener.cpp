@@ -86,6 +86,39 @@ void Opener::solve(const WbcProblem& problem, WholeBodyController& controller, W
   controller.reset(out.u);  // letting go brakes from here
 }
 
+double Opener::drive(const RobotState& state, const Kinematics& kin, const ForceCorrection& correction, double along,
+                     BaseLawOutput& base) noexcept {
+  const MechanismEstimate& estimate = estimator_.estimate();
+  const double sure = confidence(estimate);
+  const double speed = speed_law_.step({.confidence = sure,
+                                        .base_lag = base_lag_,
+                                        .pull_force = correction.pull_force,
+                                        .normal_force = correction.normal_force,
+                                        .measured_speed = along,
+                                        .speed_cap = speed_cap(estimate),
+                                        .force_cap = force_cap(estimate)});
+  base = base_law_.step({.dt = config_.period,
+                         .base = state.base,
+                         .hand = kin.X_WE.translation(),
+                         .direction = estimate.direction,
+                         .curvature = estimate.curvature,
+                         .wanted_speed = speed,
+                         .measured_speed = along,
+                         .confidence = sure});
+  base_lag_ = thesis_ ? 0.0 : base.lag;  // the thesis's law follows no base pose: it is only compared with it
+  return speed;
+}
+
+void Opener::pivot_about(const Vector3d& axis, const Vector3d& correcting_turn, const Matrix3d& R,
+                         WbcProblem& problem) const noexcept {
+  const bool upright = std::abs(axis.z()) > 0.7;
+  const double leaf_turn = turned_.dot(axis);
+  const double wanted = upright ? leaf_turn : std::clamp(-0.5 * leaf_turn, -kFlapTurn, kFlapTurn);
+  problem.free_axis = axis;
+  problem.free_axis_rate =
+      kPivotCentring * (wanted - log_so3(R * R_grasp_.transpose()).dot(axis)) - correcting_turn.dot(axis);
+}
+
 EndDetector::Verdict Opener::step(const RobotState& state, const Kinematics& kin, const HandWrench& wrench,
                                   WholeBodyController& controller, ClearanceChecker& clearance,
                                   MissionRecord& record) noexcept {
@@ -116,22 +149,7 @@ EndDetector::Verdict Opener::step(const RobotState& state, const Kinematics& kin
 
   // How fast, and where the base should be.
   const double sure = confidence(estimate);
-  const double speed = speed_law_.step({.confidence = sure,
-                                        .base_lag = base_lag_,
-                                        .pull_force = correction.pull_force,
-                                        .normal_force = correction.normal_force,
-                                        .measured_speed = along,
-                                        .speed_cap = speed_cap(estimate),
-                                        .force_cap = force_cap(estimate)});
-  record.base = base_law_.step({.dt = dt,
-                                .base = state.base,
-                                .hand = kin.X_WE.translation(),
-                                .direction = x,
-                                .curvature = k,
-                                .wanted_speed = speed,
-                                .measured_speed = along,
-                                .confidence = sure});
-  base_lag_ = thesis_ ? 0.0 : record.base.lag;  // the thesis's law follows no base pose: it is only compared with it
+  const double speed = drive(state, kin, correction, along, record.base);
 
   // What is near.
   scene_.update(estimate, kin.X_WE.translation(), pivots ? turned_ : log_so3(R * R_grasp_.transpose()));
@@ -144,14 +162,7 @@ EndDetector::Verdict Opener::step(const RobotState& state, const Kinematics& kin
   problem.measured = measured;
   problem.tangential << speed * x, speed * k;
   problem.correction << -correction.velocity, -correction.turn;
-  if (pivots) {
-    const bool upright = std::abs(free_axis.z()) > 0.7;
-    const double leaf_turn = turned_.dot(free_axis);
-    const double wanted = upright ? leaf_turn : std::clamp(-0.5 * leaf_turn, -kFlapTurn, kFlapTurn);
-    problem.free_axis = free_axis;
-    problem.free_axis_rate =
-        kPivotCentring * (wanted - log_so3(R * R_grasp_.transpose()).dot(free_axis)) - correction.turn.dot(free_axis);
-  }
+  if (pivots) pivot_about(free_axis, correction.turn, R, problem);
   problem.base = record.base.twist;
   problem.base_fixed = sure <= 0.0;
   clearance.compute(model_, state.base, clearances_);

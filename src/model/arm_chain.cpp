@@ -69,7 +69,7 @@ struct ArmChain::Impl {
   pinocchio::FrameIndex hand = 0;
   pinocchio::FrameIndex sensor = 0;
 
-  explicit Impl(pinocchio::Model m) : model(std::move(m)), data(model), q(pinocchio::neutral(model)) {}
+  explicit Impl(const pinocchio::Model& m) : model(m), data(model), q(pinocchio::neutral(model)) {}
 };
 
 ArmChain::ArmChain(const std::filesystem::path& urdf, const ArmChainNames& names) {
@@ -77,7 +77,7 @@ ArmChain::ArmChain(const std::filesystem::path& urdf, const ArmChainNames& names
     pinocchio::Model model = arm_model(urdf, names.joints);
     const auto base = body_frame(model, names.base_frame, urdf);
     move_origin(model, pinocchio::SE3(model.frames[base].placement));
-    impl_ = std::make_unique<Impl>(std::move(model));
+    impl_ = std::make_unique<Impl>(model);
   } catch (const Error&) {
     throw;
   } catch (const std::exception& error) {

@@ -21,6 +21,7 @@ const UrdfDescription::Link& link_at(const UrdfDescription& urdf, int index) {
 
 std::vector<std::string> link_names(const UrdfDescription& urdf) {
   std::vector<std::string> names;
+  names.reserve(urdf.links.size());
   for (const auto& link : urdf.links) {
     names.push_back(link.name);
   }

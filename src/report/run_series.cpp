@@ -94,7 +94,7 @@ void derive_forces(const Columns& log, Derived& out) {
   }
   const Column& time = log["time"];
   const double period = rows > 1 ? (time.back() - time.front()) / static_cast<double>(rows - 1) : kForceWindow;
-  const auto samples = static_cast<std::size_t>(std::clamp(kForceWindow / std::max(period, 1e-6), 1.0, 100.0) + 0.5);
+  const auto samples = static_cast<std::size_t>(std::lround(std::clamp(kForceWindow / std::max(period, 1e-6), 1.0, 100.0)));
   for (const char* name : {"normal_true", "pull_true", "normal_measured", "pull_measured"})
     out[name] = moving_mean(out[name], samples);
   const auto& phases = log.table().texts.at("phase");

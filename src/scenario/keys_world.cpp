@@ -160,6 +160,7 @@ const std::vector<std::string>& mechanism_names() {
     for (MechanismSource* const source : {&hinge, &slide, &table, &mjcf})
       bind_mechanism(Section(keys, "mechanism."), *source);
     std::vector<std::string> out;
+    out.reserve(keys.size());
     for (const Key& key : keys) out.push_back(key.name);
     return out;
   }();

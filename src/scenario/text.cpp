@@ -158,8 +158,10 @@ void make_expressible(const Key& key) {
   if (auto* const number = std::get_if<double*>(&key.target)) move(**number);
   if (auto* const list = std::get_if<std::vector<double>*>(&key.target))
     std::for_each((*list)->begin(), (*list)->end(), move);
-  if (auto* const maybe = std::get_if<std::optional<double>*>(&key.target); maybe != nullptr && (*maybe)->has_value())
-    move(**(*maybe));
+  if (auto* const maybe = std::get_if<std::optional<double>*>(&key.target)) {
+    std::optional<double>& value = **maybe;
+    if (value) move(*value);
+  }
 }
 
 std::string nearest_name(const std::string& unknown, const std::vector<std::string>& names) {

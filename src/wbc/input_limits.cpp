@@ -12,15 +12,21 @@ namespace {
 // Rim speed of the faster wheel.
 double wheel_load(const InputLimits& limits, double w, double v) { return std::abs(v) + limits.half_track * std::abs(w); }
 
+// A bound of one input and the limit that it comes from.
+struct Bound {
+  double rate;
+  BindingLimit limit;
+};
+
 // Acceleration range around the last command, moved into the range that must hold anyway.
-void set_bounds(InputBounds& bounds, int i, double last, double step, double low, double high, BindingLimit low_limit,
-                BindingLimit high_limit, BindingLimit step_limit) {
-  bounds.rate_lower[i] = low;
-  bounds.rate_upper[i] = high;
-  bounds.lower[i] = std::clamp(last - step, low, high);
-  bounds.upper[i] = std::clamp(last + step, low, high);
-  bounds.lower_limit[static_cast<size_t>(i)] = bounds.lower[i] > low ? step_limit : low_limit;
-  bounds.upper_limit[static_cast<size_t>(i)] = bounds.upper[i] < high ? step_limit : high_limit;
+void set_bounds(InputBounds& bounds, int i, double last, double step, const Bound& low, const Bound& high,
+                BindingLimit step_limit) {
+  bounds.rate_lower[i] = low.rate;
+  bounds.rate_upper[i] = high.rate;
+  bounds.lower[i] = std::clamp(last - step, low.rate, high.rate);
+  bounds.upper[i] = std::clamp(last + step, low.rate, high.rate);
+  bounds.lower_limit[static_cast<size_t>(i)] = bounds.lower[i] > low.rate ? step_limit : low.limit;
+  bounds.upper_limit[static_cast<size_t>(i)] = bounds.upper[i] < high.rate ? step_limit : high.limit;
 }
 
 double brake_step(double last, double step) { return last - std::clamp(last, -step, step); }
@@ -101,14 +107,16 @@ InputBounds input_bounds(const InputLimits& limits, const JointVector& q, const 
     const double down = stopping_rate(q[i] - limits.position_lower[i], A, limits.period);
     const bool near_upper = up < limits.speed_upper[i];
     const bool near_lower = -down > limits.speed_lower[i];
-    set_bounds(bounds, i, last[i], A * limits.period, std::max(limits.speed_lower[i], -down),
-               std::min(limits.speed_upper[i], up), near_lower ? BindingLimit::JointPosition : BindingLimit::JointRate,
-               near_upper ? BindingLimit::JointPosition : BindingLimit::JointRate, BindingLimit::JointAcceleration);
+    const Bound low{std::max(limits.speed_lower[i], -down),
+                    near_lower ? BindingLimit::JointPosition : BindingLimit::JointRate};
+    const Bound high{std::min(limits.speed_upper[i], up),
+                     near_upper ? BindingLimit::JointPosition : BindingLimit::JointRate};
+    set_bounds(bounds, i, last[i], A * limits.period, low, high, BindingLimit::JointAcceleration);
   }
   for (int i = n; i < n + 2; ++i) {
     const double step = limits.acceleration[i] * limits.period;
-    set_bounds(bounds, i, last[i], step, limits.speed_lower[i], limits.speed_upper[i], BindingLimit::BaseSpeed,
-               BindingLimit::BaseSpeed, BindingLimit::BaseAcceleration);
+    set_bounds(bounds, i, last[i], step, {limits.speed_lower[i], BindingLimit::BaseSpeed},
+               {limits.speed_upper[i], BindingLimit::BaseSpeed}, BindingLimit::BaseAcceleration);
     if (base_fixed || !limits.base_moves) {
       const double stopping = std::clamp(brake_step(last[i], step), limits.speed_lower[i], limits.speed_upper[i]);
       bounds.rate_lower[i] = 0.0;

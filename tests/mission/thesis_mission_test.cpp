@@ -61,7 +61,10 @@ Opening open_door(const MissionConfig& config) {
     const Command command = mission.step(state);
     u << command.dq, command.base_w, command.base_v;
     released += before == Phase::Release ? config.period : 0.0;
-    if (before == Phase::Open || (before == Phase::Release && released < 0.3)) watch_limits(limits, last, u, run);
+    // Between phases the mission leaves a zero command on purpose.
+    const bool stays = before == mission.phase() || mission.phase() == Phase::Release;
+    const bool opens = before == Phase::Open || (before == Phase::Release && released < 0.3);
+    if (stays && opens) watch_limits(limits, last, u, run);
     if (before == Phase::Open) {
       run.heading_error = angle_to_motion(mission.record());
     }
@@ -78,7 +81,7 @@ Opening open_door(const MissionConfig& config) {
 MissionConfig with_controller(const char* controller) {
   MissionConfig config;
   config.controller = controller;
-  config.force.speed = 0.1;     // the null space brings the base along at half the speed of the QP
+  config.force.speed = 0.1;  // the null space brings the base along at half the speed of the QP
   config.thesis.w_base = 10.0;
   return config;
 }

@@ -39,6 +39,13 @@ class Opener {
   [[nodiscard]] double confidence(const MechanismEstimate& estimate) const noexcept;
   [[nodiscard]] double speed_cap(const MechanismEstimate& estimate) const noexcept;
   [[nodiscard]] double force_cap(const MechanismEstimate& estimate) const noexcept;
+  /// Runs the laws of speed and base for the present estimate. @param along  Measured hand speed along it [m/s]
+  /// @return wanted hand speed [m/s]
+  double drive(const RobotState& state, const Kinematics& kinematics, const ForceCorrection& correction, double along,
+               BaseLawOutput& base) noexcept;
+  /// Lets the hand turn about the bar that it holds. @param axis  Of the bar, unit, world axes @param R  Hand to world
+  void pivot_about(const Vector3d& axis, const Vector3d& correcting_turn, const Matrix3d& R,
+                   WbcProblem& problem) const noexcept;
   void solve(const WbcProblem& problem, WholeBodyController& controller, WbcSolution& out) noexcept;
 
   const RobotModel& model_;
