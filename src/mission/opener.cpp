@@ -119,6 +119,18 @@ void Opener::pivot_about(const Vector3d& axis, const Vector3d& correcting_turn, 
       kPivotCentring * (wanted - log_so3(R * R_grasp_.transpose()).dot(axis)) - correcting_turn.dot(axis);
 }
 
+void Opener::learn(const RobotState& state, const Kinematics& kin, const HandWrench& wrench,
+                   const ForceCorrection& correction, const Vector3d& velocity) noexcept {
+  const double dt = config_.period;
+  // The status says nothing that the estimate does not: it states itself how sure it is.
+  (void)estimator_.update({.dt = dt,
+                           .hand = kin.X_WE,
+                           .velocity = velocity,
+                           .force = wrench.force,
+                           .normal_correction = correction.velocity,
+                           .base_travel = std::abs(state.base_v) * dt});
+}
+
 EndDetector::Verdict Opener::step(const RobotState& state, const Kinematics& kin, const HandWrench& wrench,
                                   WholeBodyController& controller, ClearanceChecker& clearance,
                                   MissionRecord& record) noexcept {
@@ -134,13 +146,7 @@ EndDetector::Verdict Opener::step(const RobotState& state, const Kinematics& kin
   // Torque is nulled about every axis: a grip that pivots shows its friction only, one falsely taken to pivot is saved by
   // it.
   const ForceCorrection correction = force_law_.step(wrench, estimator_.estimate().direction, Vector3d::Zero());
-  const EstimatorInput heard{.dt = dt,
-                             .hand = kin.X_WE,
-                             .velocity = V.head<3>(),
-                             .force = wrench.force,
-                             .normal_correction = correction.velocity,
-                             .base_travel = std::abs(state.base_v) * dt};
-  (void)estimator_.update(heard);  // the estimate itself says how sure it is
+  learn(state, kin, wrench, correction, V.head<3>());
   const MechanismEstimate& estimate = estimator_.estimate();
   const Vector3d& x = estimate.direction;
   const Vector3d& k = estimate.curvature;

@@ -39,6 +39,9 @@ class Opener {
   [[nodiscard]] double confidence(const MechanismEstimate& estimate) const noexcept;
   [[nodiscard]] double speed_cap(const MechanismEstimate& estimate) const noexcept;
   [[nodiscard]] double force_cap(const MechanismEstimate& estimate) const noexcept;
+  /// Tells the estimator what the hand did and felt in this tick. @param velocity  Of the hand, world axes [m/s]
+  void learn(const RobotState& state, const Kinematics& kinematics, const HandWrench& wrench,
+             const ForceCorrection& correction, const Vector3d& velocity) noexcept;
   /// Runs the laws of speed and base for the present estimate. @param along  Measured hand speed along it [m/s]
   /// @return wanted hand speed [m/s]
   double drive(const RobotState& state, const Kinematics& kinematics, const ForceCorrection& correction, double along,
