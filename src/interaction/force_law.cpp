@@ -2,31 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <initializer_list>
-#include <sstream>
 
-#include "ajar/core/error.hpp"
+#include "ajar/core/config_range.hpp"
 
 namespace ajar {
 namespace {
-
-struct Range {
-  const char* key;
-  double value;
-  double low;
-  double high;
-};
-
-void check(std::initializer_list<Range> ranges) {
-  for (const Range& range : ranges) {
-    if (!(range.value >= range.low && range.value <= range.high)) {
-      std::ostringstream message;
-      message << "interaction." << range.key << " = " << range.value << ": must be in [" << range.low << ", " << range.high
-              << ']';
-      throw ConfigError(message.str());
-    }
-  }
-}
 
 // Smallest value where zero would divide.
 constexpr double kTiny = 1e-9;
@@ -39,24 +19,24 @@ Vector3d limited(const Vector3d& v, double largest) {
 }  // namespace
 
 void ForceLawConfig::validate() const {
-  check({{"stability_number", stability_number, kTiny, 1.5},
-         {"total_stiffness", total_stiffness, 1.0, 1e7},
-         {"gain_max", gain_max, kTiny, 1.0},
-         {"integral_ratio", integral_ratio, 0.0, 100.0},
-         {"correction_max", correction_max, 0.0, 1.0},
-         {"deadband", deadband, 0.0, 100.0},
-         {"torque_gain", torque_gain, 0.0, 10.0},
-         {"rotational_stiffness", rotational_stiffness, kTiny, 1e6},
-         {"turn_max", turn_max, 0.0, 10.0},
-         {"force_limit", force_limit, 1.0, 1e4},
-         {"speed_start", speed_start, 0.0, 1.0},
-         {"speed", speed, kTiny, 2.0},
-         {"acceleration", acceleration, kTiny, 100.0},
-         {"deceleration", deceleration, kTiny, 100.0},
-         {"give_gain", give_gain, 0.0, 1.0},
-         {"give_margin", give_margin, 0.0, 1e4},
-         {"give_reserve", give_reserve, 0.0, 1e4},
-         {"give_speed", give_speed, 0.0, 1.0}});
+  check_ranges("interaction", {{"stability_number", stability_number, kTiny, 1.5},
+                               {"total_stiffness", total_stiffness, 1.0, 1e7},
+                               {"gain_max", gain_max, kTiny, 1.0},
+                               {"integral_ratio", integral_ratio, 0.0, 100.0},
+                               {"correction_max", correction_max, 0.0, 1.0},
+                               {"deadband", deadband, 0.0, 100.0},
+                               {"torque_gain", torque_gain, 0.0, 10.0},
+                               {"rotational_stiffness", rotational_stiffness, kTiny, 1e6},
+                               {"turn_max", turn_max, 0.0, 10.0},
+                               {"force_limit", force_limit, 1.0, 1e4},
+                               {"speed_start", speed_start, 0.0, 1.0},
+                               {"speed", speed, kTiny, 2.0},
+                               {"acceleration", acceleration, kTiny, 100.0},
+                               {"deceleration", deceleration, kTiny, 100.0},
+                               {"give_gain", give_gain, 0.0, 1.0},
+                               {"give_margin", give_margin, 0.0, 1e4},
+                               {"give_reserve", give_reserve, 0.0, 1e4},
+                               {"give_speed", give_speed, 0.0, 1.0}});
 }
 
 double loop_gain(double largest, double number, double stiffness, double delay) noexcept {
@@ -65,7 +45,7 @@ double loop_gain(double largest, double number, double stiffness, double delay) 
 
 ForceLaw::ForceLaw(const ForceLawConfig& config, double period, double dead_time) : config_(config), period_(period) {
   config.validate();
-  check({{"period", period, 1e-6, 0.1}, {"dead_time", dead_time, 0.0, 1.0}});
+  check_ranges("interaction", {{"period", period, 1e-6, 0.1}, {"dead_time", dead_time, 0.0, 1.0}});
   const double delay = period + dead_time;
   gain_ = loop_gain(config.gain_max, config.stability_number, config.total_stiffness, delay);
   torque_gain_ = loop_gain(config.torque_gain, config.stability_number, config.rotational_stiffness, delay);
