@@ -7,6 +7,8 @@
 
 #include <benchmark/benchmark.h>
 
+#include "contest.hpp"
+
 namespace ajar::bench {
 
 /// Something that is measured step by step. What `prepare` does is not timed.
@@ -26,25 +28,24 @@ struct CaseInfo {
 
 [[nodiscard]] std::vector<CaseInfo> all_cases();
 
-/// Collects every measured case and prints one table, or one JSON list, at the end.
-class TableReporter : public benchmark::BenchmarkReporter {
+/// One line of the results. Values that do not exist are NaN.
+struct BenchRow {
+  std::string bench;
+  ContestRow values;
+};
+
+/// Collects every measured case.
+class RowCollector : public benchmark::BenchmarkReporter {
  public:
-  explicit TableReporter(bool json) : json_(json) {}
+  explicit RowCollector(std::vector<BenchRow>& rows) : rows_(rows) {}
   bool ReportContext(const Context&) override { return true; }
   void ReportRuns(const std::vector<Run>& runs) override;
-  void Finalize() override;
 
  private:
-  struct Row {
-    std::string name;
-    std::string problem;
-    double median;
-    double p99;
-    double p999;
-    double allocations;
-  };
-  bool json_;
-  std::vector<Row> rows_;
+  std::vector<BenchRow>& rows_;
 };
+
+void print_table(const std::vector<BenchRow>& rows);
+void print_json(const std::vector<BenchRow>& rows);
 
 }  // namespace ajar::bench

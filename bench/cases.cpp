@@ -178,7 +178,7 @@ std::unique_ptr<Case> make() {
 std::vector<CaseInfo> all_cases() {
   return {{"kinematics", "Heron: hand pose, 6x8 Jacobian, distance", 20000, make<KinematicsCase>},
           {"clearance", "Heron with wall and leaf", 10000, make<ClearanceCase>},
-          {"wbc", "QP, 8 inputs, distance rows of that scene", 20000, make<WbcCase>},
+          {"qp_with_rows", "QP, 8 inputs, distance rows of that scene", 20000, make<WbcCase>},
           {"estimator", "hinge r 0.8 m, one pose", 20000, make<EstimatorCase>},
           {"mission_tick", "kinematic plant, phase open", 10000, make<MissionCase>},
           {"choice", "grasp and base pose, once per mission", 10, make<ChoiceCase>}};

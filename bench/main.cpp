@@ -1,14 +1,16 @@
-// ajar_bench [NAME] [--json]: medians and tails of the inner steps, heap requests per step. Every step is timed by itself;
-// the clock's own 0.03 us are included.
+// ajar_bench [NAME] [--json] [--peers PYTHON]: medians and tails of the inner steps, heap requests per step. Every step is
+// timed by itself; the clock's own 0.03 us are included. The bench "wbc" lets others solve the same whole-body problem in
+// turns; PYTHON is an interpreter that has them installed.
 #include <algorithm>
 #include <chrono>
-#include <cstring>
+#include <exception>
 #include <string>
 
 #include <fmt/format.h>
 
-#include "allocation_guard.hpp"
 #include "bench.hpp"
+#include "contest.hpp"
+#include "heap_count.hpp"
 
 namespace {
 
@@ -31,11 +33,11 @@ void run_case(benchmark::State& state, const CaseInfo& info) {
   for (auto unused : state) {
     static_cast<void>(unused);
     subject->prepare();
-    const long before = ajar::test::allocations;
+    const long before = ajar_heap_count();
     const auto start = Clock::now();
     subject->step();
     const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
-    allocations += ajar::test::allocations - before;
+    allocations += ajar_heap_count() - before;
     state.SetIterationTime(seconds);
     times.push_back(1e6 * seconds);
   }
@@ -47,36 +49,64 @@ void run_case(benchmark::State& state, const CaseInfo& info) {
   state.counters["allocations"] = static_cast<double>(allocations) / static_cast<double>(times.size());
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
+struct Options {
   bool json = false;
-  std::string wanted;
+  std::string bench;
+  std::string peers;
+};
+
+Options read_options(int argc, char** argv) {
+  Options options;
   for (int i = 1; i < argc; ++i) {
-    if (std::strcmp(argv[i], "--json") == 0) {
-      json = true;
+    const std::string word = argv[i];
+    if (word == "--json") {
+      options.json = true;
+    } else if (word == "--peers" && i + 1 < argc) {
+      options.peers = argv[++i];
     } else {
-      wanted = argv[i];
+      options.bench = word;
     }
   }
-  const std::vector<CaseInfo> cases = ajar::bench::all_cases();
-  std::string names;
-  bool any = false;
+  return options;
+}
+
+// Registers the cases that are wanted. False when there is no such bench.
+bool select(const Options& options, const std::vector<CaseInfo>& cases) {
+  std::string names = " wbc";
+  bool any = options.bench.empty() || options.bench == "wbc";
   for (const CaseInfo& info : cases) {
     names += " " + info.name;
-    if (!wanted.empty() && info.name != wanted) continue;
+    if (!options.bench.empty() && info.name != options.bench) continue;
     any = true;
     benchmark::RegisterBenchmark(info.name.c_str(), [info](benchmark::State& state) { run_case(state, info); })
         ->Iterations(info.steps)
         ->UseManualTime();
   }
-  if (!any) {
-    fmt::print(stderr, "ajar_bench: no benchmark '{}'; allowed:{}\n", wanted, names);
-    return 2;
+  if (!any) fmt::print(stderr, "ajar_bench: no benchmark '{}'; allowed:{}\n", options.bench, names);
+  return any;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const Options options = read_options(argc, argv);
+  const std::vector<CaseInfo> cases = ajar::bench::all_cases();
+  if (!select(options, cases)) return 2;
+  std::vector<ajar::bench::BenchRow> rows;
+  if (options.bench != "wbc") {
+    int count = 1;
+    benchmark::Initialize(&count, argv);
+    ajar::bench::RowCollector collector(rows);
+    benchmark::RunSpecifiedBenchmarks(&collector);
   }
-  int count = 1;
-  benchmark::Initialize(&count, argv);
-  ajar::bench::TableReporter reporter(json);
-  benchmark::RunSpecifiedBenchmarks(&reporter);
+  try {
+    if (options.bench.empty() || options.bench == "wbc") {
+      for (const auto& row : ajar::bench::run_contest(options.peers)) rows.push_back({"wbc", row});
+    }
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "ajar_bench: {}\n", error.what());
+    return 3;
+  }
+  options.json ? ajar::bench::print_json(rows) : ajar::bench::print_table(rows);
   return 0;
 }

@@ -49,6 +49,7 @@ bool is_usable(const WbcProblem& problem, int joints) {
          kinematics->J.cols() == joints + 2 && kinematics->J.allFinite() && kinematics->X_WE.translation().allFinite() &&
          problem.tangential.allFinite() && problem.correction.allFinite() && problem.free_axis.allFinite() &&
          std::isfinite(problem.free_axis_rate) && std::isfinite(problem.base.v) && std::isfinite(problem.base.w) &&
+         (problem.rates.size() == 0 || (problem.rates.size() == joints && problem.rates.allFinite())) &&
          problem.leaf_velocity_at_hand.allFinite() && problem.leaf_turn.allFinite() &&
          (problem.clearance == nullptr || is_usable(*problem.clearance, joints));
 }
@@ -138,7 +139,11 @@ void WholeBodyController::Impl::build_cost(const WbcProblem& problem, double sig
   const double rate_weight = config.rate_weight + config.singular_damping * nearness * nearness;
   for (int i = 0; i < n; ++i) {
     const double limit = std::max(limits.speed_upper[i], 1e-3);
-    qp.H(i, i) += rate_weight / (limit * limit);
+    const double weight = rate_weight / (limit * limit);
+    qp.H(i, i) += weight;
+    if (problem.rates.size() > 0) {
+      qp.g[i] -= weight * std::clamp(problem.rates[i], limits.speed_lower[i], limits.speed_upper[i]);
+    }
   }
   qp.H(n, n) += config.base_turn_weight;
   qp.g[n] -= config.base_turn_weight * problem.base.w;

@@ -13,7 +13,7 @@ struct WbcConfig {
   double speed_weight = 1.0;        ///< Tangential speed factor towards 1 [-]
   double base_speed_weight = 20.0;  ///< (v - v_ref)² [s²/m²]
   double base_turn_weight = 1.8;    ///< (ω - ω_ref)² [s²/rad²]
-  double rate_weight = 1e-2;        ///< (q̇_i / q̇_max)² [-]
+  double rate_weight = 1e-2;        ///< ((q̇_i - wanted) / q̇_max)² [-]
   double slack_weight = 1e6;        ///< Of the one common slack of the clearance rows [-]
   double length = 0.3;              ///< L: scale of the rotation rows [m]
   double singular_onset = 0.08;     ///< σ_min below which joint rates are damped [-]
@@ -44,6 +44,7 @@ struct WbcProblem {
   Vector3d free_axis = Vector3d::Zero();       ///< Grip turns freely about it: that row becomes weak; zero = none
   double free_axis_rate = 0.0;                 ///< Weakly wanted turn about it, replaces that part of both twists [rad/s]
   BaseTwist base;                              ///< Wanted base motion
+  JointVector rates;                           ///< Joint rates wanted beside the hand, e.g. towards a posture; empty = 0
   bool base_fixed = false;                     ///< Base must stand
   const ClearanceResult* clearance = nullptr;  ///< nullptr = no rows
   ClearanceConfig clearance_config;            ///< Distances and rates that turn the distances into rows
