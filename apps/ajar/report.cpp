@@ -2,22 +2,44 @@
 
 #include <fmt/format.h>
 
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "ajar/core/error.hpp"
 #include "commands.hpp"
 #include "exit_codes.hpp"
 
+namespace {
+
+namespace fs = std::filesystem;
+
+struct ReportArguments {
+  std::vector<std::string> folders;
+  std::string out;
+};
+
+void make(const ReportArguments& arguments) {
+  const std::vector<fs::path> folders(arguments.folders.begin(), arguments.folders.end());
+  for (const fs::path& folder : folders) {
+    if (!fs::is_directory(folder)) throw ajar::IoError(folder.string() + ": no such folder; allowed: folders of runs");
+  }
+  const fs::path own = folders.size() == 1 ? folders.front() / "report.html" : fs::path("comparison.html");
+  const fs::path file = arguments.out.empty() ? own : fs::path(arguments.out);
+  ajar::write_page(file, ajar::make_report(folders));
+  fmt::print("{}\n", file.string());
+}
+
+}  // namespace
+
 void add_report(CLI::App& program, int& exit_code) {
-  CLI::App* const command = program.add_subcommand("report", "Makes or remakes report.html of run folders");
-  const auto folders = std::make_shared<std::vector<std::string>>();
-  command->add_option("RUN_DIR", *folders, "Run folders")->required();
-  command->callback([folders, &exit_code] {
-    for (const std::string& folder : *folders) {
-      ajar::write_report(folder);
-      fmt::print("{}/report.html\n", folder);
-    }
+  CLI::App* const command = program.add_subcommand("report", "Makes the page of a run, or of several for comparison");
+  const auto arguments = std::make_shared<ReportArguments>();
+  command->add_option("RUN_DIR", arguments->folders, "Run folders; more than one are laid on top of each other")->required();
+  command->add_option("--out", arguments->out, "Page; default RUN_DIR/report.html, for several comparison.html");
+  command->callback([arguments, &exit_code] {
+    make(*arguments);
     exit_code = kReached;
   });
 }

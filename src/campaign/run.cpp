@@ -94,8 +94,8 @@ struct Run {
     std::filesystem::remove(options.folder / "result.json", error);  // a run that breaks off must not keep an old verdict
     write_text(options.folder / "scenario.toml", to_toml(scenario));
     write_text(options.folder / "version.txt", version() + "\n");
-    write_text(options.folder / "scene.json", scene_json(model, simulated.truth));
-    log = std::make_unique<RunLog>(options.folder / "log.csv", model.joints(), options.timing);
+    write_text(options.folder / "scene.json", scene_json(model, simulated.truth, scenario.mission));
+    log = std::make_unique<RunLog>(options.folder, model.joints());
   }
 
   void tell_progress(double& next) const {

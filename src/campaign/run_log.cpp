@@ -118,13 +118,27 @@ struct RunLog::Channels {
   NumberChannel est_angle_sigma = list.number("est_angle_sigma", "rad");
 };
 
-RunLog::RunLog(const std::filesystem::path& file, int joints, bool timing)
+struct RunLog::Ticks {
+  ChannelList list;
+  NumberChannel time = list.number("time", "s");
+  NumberChannel tick_us = list.number("tick_us", "us");
+  LogRow row{list};
+  CsvLog log;
+  explicit Ticks(const std::filesystem::path& file) : log(file, list) {}
+};
+
+RunLog::RunLog(const std::filesystem::path& folder, int joints)
     : channels_(std::make_unique<Channels>(joints)),
       row_(std::make_unique<LogRow>(channels_->list)),
-      log_(std::make_unique<CsvLog>(file, channels_->list)),
-      timing_(timing) {}
+      log_(std::make_unique<CsvLog>(folder / "log.csv", channels_->list)),
+      ticks_(std::make_unique<Ticks>(folder / "ticks.csv")) {}
 
 RunLog::~RunLog() = default;
+
+void RunLog::close() {
+  log_->close();
+  ticks_->log.close();
+}
 
 void RunLog::set(const Group& group, std::initializer_list<double> values) noexcept {
   auto channel = group.begin();
@@ -196,7 +210,7 @@ void RunLog::fill_commanded(const TickView& tick) noexcept {
   row_->set(c.wanted_speed, record.wanted_speed);
   row_->set(c.base_ref_v, record.base.twist.v);
   row_->set(c.base_ref_w, record.base.twist.w);
-  row_->set(c.tick_us, timing_ ? tick.tick_us : 0.0);
+  row_->set(c.tick_us, 0.0);  // measured times stand in ticks.csv
 }
 
 void RunLog::fill_truth(const Truth& truth) noexcept {
@@ -223,6 +237,9 @@ void RunLog::record(const TickView& tick) noexcept {
   fill_commanded(tick);
   fill_truth(tick.truth);
   log_->record(*row_);
+  ticks_->row.set(ticks_->time, tick.state.time);
+  ticks_->row.set(ticks_->tick_us, tick.tick_us);
+  ticks_->log.record(ticks_->row);
 }
 
 }  // namespace ajar

@@ -9,23 +9,24 @@
 
 namespace ajar {
 
-/// `log.csv` of a run: knows the columns and fills them from one tick.
+/// `log.csv` and `ticks.csv` of a run: knows the columns and fills them from one tick. Measured times stand in a file of
+/// their own, so that the same seed gives the same log byte for byte.
 class RunLog {
  public:
   /// @param joints  Number of arm joints
-  /// @param timing  False leaves the column tick_us at 0, so that the same seed gives the same bytes
   /// @throws IoError
-  RunLog(const std::filesystem::path& file, int joints, bool timing);
+  RunLog(const std::filesystem::path& folder, int joints);
   ~RunLog();
 
   /// No allocation, no exception.
   void record(const TickView& tick) noexcept;
   /// @throws IoError
-  void close() { log_->close(); }
+  void close();
 
  private:
   using Group = std::vector<NumberChannel>;
   struct Channels;
+  struct Ticks;
 
   void fill_measured(const RobotState& state) noexcept;
   void fill_believed(const MissionRecord& record) noexcept;
@@ -37,7 +38,7 @@ class RunLog {
   std::unique_ptr<Channels> channels_;
   std::unique_ptr<LogRow> row_;
   std::unique_ptr<CsvLog> log_;
-  bool timing_;
+  std::unique_ptr<Ticks> ticks_;
 };
 
 }  // namespace ajar

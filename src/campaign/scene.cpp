@@ -43,9 +43,50 @@ Json footprint(const RobotModel& model) {
   return Json::array({lower.x(), upper.x(), lower.y(), upper.y()});
 }
 
+Json json_of(const Pose& pose) {
+  const Eigen::Quaterniond turn(pose.linear());
+  return {{"position", array_of(pose.translation())},
+          {"turn", {{"w", turn.w()}, {"x", turn.x()}, {"y", turn.y()}, {"z", turn.z()}}}};
+}
+
+const char* name_of(DrawnShape::Kind kind) {
+  switch (kind) {
+    case DrawnShape::Kind::Box: break;
+    case DrawnShape::Kind::Cylinder: return "cylinder";
+    case DrawnShape::Kind::Sphere: return "sphere";
+    case DrawnShape::Kind::Capsule: return "capsule";
+  }
+  return "box";
+}
+
+Json json_of(const RobotDrawing& drawing) {
+  Json joints = Json::array(), shapes = Json::array();
+  for (const DrawnJoint& joint : drawing.joints) {
+    joints.push_back({{"slides", joint.slides}, {"axis", array_of(joint.axis)}, {"pose", json_of(joint.pose_in_before)}});
+  }
+  for (const DrawnShape& shape : drawing.shapes) {
+    shapes.push_back({{"kind", name_of(shape.kind)},
+                      {"joint", shape.joint},
+                      {"pose", json_of(shape.pose_in_joint)},
+                      {"size", array_of(shape.size)},
+                      {"rgba", shape.rgba}});
+  }
+  return {{"joints", joints}, {"shapes", shapes}, {"hand", json_of(drawing.hand_in_last)}};
+}
+
+const char* name_of(HandleKind kind) {
+  switch (kind) {
+    case HandleKind::Bar: break;
+    case HandleKind::Knob: return "knob";
+    case HandleKind::Recess: return "recess";
+    case HandleKind::None: return "none";
+  }
+  return "bar";
+}
+
 }  // namespace
 
-std::string scene_json(const RobotModel& model, const Mechanism& mechanism) {
+std::string scene_json(const RobotModel& model, const Mechanism& mechanism, const MissionConfig& mission) {
   const RobotLimits& limits = model.limits();
   Json json;
   json["robot"] = {{"name", model.name()},
@@ -54,7 +95,8 @@ std::string scene_json(const RobotModel& model, const Mechanism& mechanism) {
                    {"joint_rate_limit", joint_array(limits.velocity)},
                    {"base_forward", limits.base_forward},
                    {"base_reverse", limits.base_reverse},
-                   {"base_yaw_rate", limits.base_yaw_rate}};
+                   {"base_yaw_rate", limits.base_yaw_rate},
+                   {"drawing", json_of(model.drawing())}};
   Json leaf = Json::array(), world = Json::array();
   for (const Box& box : mechanism.leaf) leaf.push_back(json_of(box));
   for (const Box& box : mechanism.world) world.push_back(json_of(box));
@@ -65,9 +107,21 @@ std::string scene_json(const RobotModel& model, const Mechanism& mechanism) {
                        {"travel", mechanism.travel},
                        {"handle", array_of(mechanism.handle.position)},
                        {"normal", array_of(mechanism.handle.normal)},
+                       {"handle_kind", name_of(mechanism.handle.kind)},
+                       {"handle_bar", array_of(mechanism.handle.bar)},
+                       {"handle_standoff", mechanism.handle.standoff},
+                       {"handle_thickness", mechanism.handle.thickness},
+                       {"handle_length", mechanism.handle.length},
                        {"leaf", leaf},
                        {"world", world}};
-  return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+  const bool hinge = mechanism.kind == JointKind::Hinge;
+  json["mission"] = {{"goal", hinge ? mission.goal.opening_angle : mission.goal.opening_length},
+                     {"to_the_stop", mission.goal.to_the_stop},
+                     {"force_limit_N", mission.limits.force},
+                     {"abort_force_N", mission.limits.abort_force},
+                     {"time_limit_s", mission.limits.time},
+                     {"period_s", mission.period}};
+  return json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
 }  // namespace ajar

@@ -124,6 +124,41 @@ void collect_shapes(const UrdfDescription& urdf, const RobotConfig& config, cons
   }
 }
 
+// The shape that stands for a mesh: the capsule or box that is checked for contact.
+DrawnShape drawn(const CollisionShape& collision) {
+  DrawnShape shape;
+  shape.link = collision.link;
+  shape.pose_in_joint = collision.pose_in_joint;
+  if (collision.kind == CollisionShape::Kind::Box) {
+    shape.size = 2.0 * collision.half_extents;
+  } else {
+    shape.kind = DrawnShape::Kind::Capsule;
+    shape.size = Vector3d(collision.radius, collision.radius, 2.0 * collision.half_length);
+  }
+  return shape;
+}
+
+void collect_drawing(const UrdfDescription& urdf, const std::vector<int>& arm, const std::vector<Placement>& placements,
+                     RobotDrawing& drawing) {
+  for (const int index : arm) {
+    const auto& link = link_at(urdf, index);
+    drawing.joints.push_back({link.motion == UrdfDescription::Motion::Prismatic, link.axis,
+                              placements[static_cast<std::size_t>(link.parent)].X * link.X_PL});
+  }
+  for (std::size_t i = 0; i < urdf.links.size(); ++i) {
+    const auto& link = urdf.links[i];
+    std::vector<DrawnShape> shapes = link.visuals;
+    if (link.has_visual_mesh) {
+      for (const CollisionShape& collision : link.shapes) shapes.push_back(drawn(collision));
+    }
+    for (DrawnShape& shape : shapes) {
+      shape.joint = placements[i].joint;
+      shape.pose_in_joint = placements[i].X * shape.pose_in_joint;
+      drawing.shapes.push_back(std::move(shape));
+    }
+  }
+}
+
 // Mass and centre of everything that hangs on the sensor, in the sensor's frame.
 void weigh_tool(const UrdfDescription& urdf, const std::vector<Placement>& placements, int sensor, RobotParts& parts) {
   const Pose X_FJ = placements[static_cast<std::size_t>(sensor)].X.inverse();
@@ -202,6 +237,8 @@ RobotParts assemble_robot(const std::filesystem::path& urdf_path, const std::fil
   set_joint_limits(urdf, config, arm, parts);
   collect_shapes(urdf, config, placements, parts);
   weigh_tool(urdf, placements, sensor, parts);
+  collect_drawing(urdf, arm, placements, parts.drawing);
+  parts.drawing.hand_in_last = placements[static_cast<std::size_t>(hand)].X;
   return parts;
 }
 

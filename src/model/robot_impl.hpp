@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "ajar/model/robot_drawing.hpp"
 #include "ajar/model/robot_model.hpp"
 #include "arm_chain.hpp"
 
@@ -25,6 +26,7 @@ struct RobotParts {
   Vector3d tool_com = Vector3d::Zero();             ///< Sensor axes and origin [m]
   JointVector home;                                 ///< shape (n) [rad or m]
   double gripper_stroke = 0.0;                      ///< [m]
+  RobotDrawing drawing;
   ArmChainNames names;
 };
 

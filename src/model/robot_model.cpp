@@ -61,6 +61,7 @@ double RobotModel::wheel_radius() const noexcept { return impl_->parts.wheel_rad
 double RobotModel::wheel_track() const noexcept { return impl_->parts.wheel_track; }
 const RobotLimits& RobotModel::limits() const noexcept { return impl_->parts.limits; }
 const std::vector<CollisionShape>& RobotModel::shapes() const noexcept { return impl_->parts.shapes; }
+const RobotDrawing& RobotModel::drawing() const noexcept { return impl_->parts.drawing; }
 double RobotModel::tool_mass() const noexcept { return impl_->parts.tool_mass; }
 const Vector3d& RobotModel::tool_com() const noexcept { return impl_->parts.tool_com; }
 const JointVector& RobotModel::home() const noexcept { return impl_->parts.home; }

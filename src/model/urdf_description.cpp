@@ -66,6 +66,8 @@ void read_joint(const urdf::Joint& joint, UrdfDescription::Link& link) {
   link.joint = joint.name;
   link.motion = motion_of(joint);
   link.X_PL = to_eigen(joint.parent_to_joint_origin_transform);
+  const Vector3d axis(joint.axis.x, joint.axis.y, joint.axis.z);
+  if (axis.norm() > 0.0) link.axis = axis.normalized();
   if (joint.limits) {
     link.lower = joint.limits->lower;
     link.upper = joint.limits->upper;
@@ -95,6 +97,34 @@ void read_collisions(const urdf::Link& source, UrdfDescription::Link& link) {
       continue;
     }
     link.shapes.push_back(shape);
+  }
+}
+
+void read_visuals(const urdf::Link& source, UrdfDescription::Link& link) {
+  for (const auto& visual : source.visual_array) {
+    if (!visual || !visual->geometry) {
+      continue;
+    }
+    DrawnShape shape;
+    shape.link = source.name;
+    shape.pose_in_joint = to_eigen(visual->origin);
+    if (const auto* box = dynamic_cast<const urdf::Box*>(visual->geometry.get())) {
+      shape.size = Vector3d(box->dim.x, box->dim.y, box->dim.z);
+    } else if (const auto* cylinder = dynamic_cast<const urdf::Cylinder*>(visual->geometry.get())) {
+      shape.kind = DrawnShape::Kind::Cylinder;
+      shape.size = Vector3d(cylinder->radius, cylinder->radius, cylinder->length);
+    } else if (const auto* sphere = dynamic_cast<const urdf::Sphere*>(visual->geometry.get())) {
+      shape.kind = DrawnShape::Kind::Sphere;
+      shape.size = Vector3d(sphere->radius, sphere->radius, 0.0);
+    } else {
+      link.has_visual_mesh = true;
+      continue;
+    }
+    if (visual->material) {
+      const urdf::Color& color = visual->material->color;
+      shape.rgba = {double{color.r}, double{color.g}, double{color.b}, double{color.a}};
+    }
+    link.visuals.push_back(shape);
   }
 }
 
@@ -132,6 +162,7 @@ void append(const urdf::Link& source, int parent, const std::string& text, UrdfD
     link.com = to_eigen(source.inertial->origin).translation();
   }
   read_collisions(source, link);
+  read_visuals(source, link);
   check_link(description, link);
   const int index = static_cast<int>(description.links.size());
   description.links.push_back(std::move(link));

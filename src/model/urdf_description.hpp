@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "ajar/model/robot_drawing.hpp"
 #include "ajar/model/robot_model.hpp"
 
 namespace ajar {
@@ -18,6 +19,7 @@ struct UrdfDescription {
     std::string joint;                   ///< Joint between parent and this link
     Motion motion = Motion::Fixed;       ///< Of that joint
     Pose X_PL = Pose::Identity();        ///< In the parent, joint at zero
+    Vector3d axis = Vector3d::UnitZ();   ///< Of that joint, axes of this link, unit
     double lower = 0.0;                  ///< Joint limits [rad or m]
     double upper = 0.0;                  ///< [rad or m]
     double velocity = 0.0;               ///< [rad/s or m/s]
@@ -26,6 +28,8 @@ struct UrdfDescription {
     Vector3d com = Vector3d::Zero();     ///< Link frame [m]
     std::vector<CollisionShape> shapes;  ///< pose_in_joint holds the pose in the link
     bool has_mesh = false;               ///< A collision body is a mesh
+    std::vector<DrawnShape> visuals;     ///< pose_in_joint holds the pose in the link
+    bool has_visual_mesh = false;        ///< A visual body is a mesh
     int line = 0;                        ///< Where the link stands in the file, 0 = not found
   };
 

@@ -4,61 +4,66 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "ajar/core/error.hpp"
-#include "ajar/core/so3.hpp"
-#include "ajar/log/csv_table.hpp"
+#include "log_columns.hpp"
+#include "thinning.hpp"
 
 namespace ajar {
 namespace {
 
 constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();
-constexpr double kDegrees = 180.0 / 3.14159265358979323846;
+constexpr double kDegrees = 180.0 / std::numbers::pi;
 constexpr double kForceWindow = 0.020;  ///< Forces are shown as they are judged: mean over 20 ms [s]
-/// Below this curvature the centre lies too far away to be drawn [1/m].
-constexpr double kStraight = 0.02;
 
-using Column = std::vector<double>;
+using Column = LogColumns::Column;
+using Derived = std::map<std::string, Column>;
 
-/// Columns by name; one that the log does not have reads as nothing.
-class Columns {
- public:
-  explicit Columns(CsvTable table) : table_(std::move(table)), empty_(table_.rows, kNothing) {}
-  const Column& operator[](const std::string& name) const {
-    const auto found = table_.numbers.find(name);
-    return found == table_.numbers.end() ? empty_ : found->second;
-  }
-  [[nodiscard]] Vector3d vector(const std::string& name, std::size_t i) const {
-    return {(*this)[name + "_x"][i], (*this)[name + "_y"][i], (*this)[name + "_z"][i]};
-  }
-  /// Orientation by four columns; none at all where they are missing.
-  [[nodiscard]] Eigen::Quaterniond turn(const std::string& name, std::size_t i) const {
-    const Eigen::Quaterniond turn((*this)[name + "w"][i], (*this)[name + "x"][i], (*this)[name + "y"][i],
-                                  (*this)[name + "z"][i]);
-    return turn.coeffs().allFinite() ? turn : Eigen::Quaterniond::Identity();
-  }
-  [[nodiscard]] const CsvTable& table() const { return table_; }
+/// Columns that are shown as the log has them: name on the page, name in the log.
+constexpr std::array kCopies{std::array{"base_x", "true_base_x"},
+                             std::array{"base_y", "true_base_y"},
+                             std::array{"base_yaw", "true_base_yaw"},
+                             std::array{"hand_x", "true_hand_x"},
+                             std::array{"hand_y", "true_hand_y"},
+                             std::array{"hand_z", "true_hand_z"},
+                             std::array{"handle_x", "true_handle_x"},
+                             std::array{"handle_y", "true_handle_y"},
+                             std::array{"handle_z", "true_handle_z"},
+                             std::array{"force_x", "true_force_x"},
+                             std::array{"force_y", "true_force_y"},
+                             std::array{"force_z", "true_force_z"},
+                             std::array{"opening_q", "true_opening"},
+                             std::array{"grasped", "true_grasped"},
+                             std::array{"distance", "distance"},
+                             std::array{"sigma_min", "sigma_min"},
+                             std::array{"base_v", "base_v"},
+                             std::array{"base_w", "base_w"},
+                             std::array{"cmd_v", "cmd_v"},
+                             std::array{"cmd_w", "cmd_w"},
+                             std::array{"wanted_speed", "wanted_speed"},
+                             std::array{"speed_factor", "speed_factor"},
+                             std::array{"clearance_min", "clearance_min"}};
 
- private:
-  CsvTable table_;
-  Column empty_;
-};
+/// Further columns that curves are derived from.
+constexpr std::array kSources{"time",    "heading_error", "est_dir_sigma",   "est_curv_sigma",
+                              "est_arc", "est_angle",     "est_angle_sigma", "true_opening_rate"};
 
 CsvColumns wanted_columns() {
   CsvColumns wanted;
   wanted.texts = {"phase"};
-  wanted.numbers = {
-      "time",        "base_v",        "base_w",         "cmd_v",        "cmd_w",       "distance",     "heading_error",
-      "sigma_min",   "est_dir_sigma", "est_curv_sigma", "est_arc",      "est_angle",   "true_opening", "true_opening_rate",
-      "true_base_x", "true_base_y",   "true_base_yaw",  "wanted_speed", "speed_factor"};
-  for (const char* vector :
-       {"force", "est_dir", "est_curv", "true_hand", "true_handle", "true_dir", "true_curv", "true_force"}) {
+  for (const auto& copy : kCopies) wanted.numbers.emplace_back(copy[1]);
+  for (const char* name : kSources) wanted.numbers.emplace_back(name);
+  for (const char* vector : {"force", "est_dir", "est_curv", "true_dir", "true_curv"}) {
     for (const char* axis : {"_x", "_y", "_z"}) wanted.numbers.push_back(std::string(vector) + axis);
   }
   for (const char* quaternion : {"hand_q", "true_hand_q"}) {
     for (const char* part : {"w", "x", "y", "z"}) wanted.numbers.push_back(std::string(quaternion) + part);
   }
-  for (int i = 1; i <= kMaxJoints; ++i) wanted.numbers.push_back("cmd_dq" + std::to_string(i));
+  for (int i = 1; i <= kMaxJoints; ++i) {
+    wanted.numbers.push_back("cmd_dq" + std::to_string(i));
+    wanted.numbers.push_back("q" + std::to_string(i));
+  }
   return wanted;
 }
 
@@ -73,122 +78,109 @@ Column moving_mean(const Column& values, std::size_t samples) {
   return out;
 }
 
-/// Force across and along a direction.
-void split_force(const Vector3d& force, const Vector3d& direction, double& normal, double& pull) {
-  pull = direction.dot(force);
-  normal = (force - pull * direction).norm();
-}
-
 /// Phases in which the estimate means something, and those in which the sensor is zeroed and touches something.
 bool has_estimate(const std::string& phase) { return phase == "probe" || phase == "open"; }
 bool has_force(const std::string& phase) { return has_estimate(phase) || phase == "grasp" || phase == "release"; }
 
-using Derived = std::map<std::string, Column>;
-
-void derive_forces(const Columns& log, Derived& out) {
-  const std::size_t rows = log.table().rows;
-  for (const char* name : {"normal_true", "pull_true", "normal_measured", "pull_measured"}) out[name].assign(rows, kNothing);
-  for (std::size_t i = 0; i < rows; ++i) {
-    split_force(log.vector("true_force", i), log.vector("true_dir", i), out["normal_true"][i], out["pull_true"][i]);
-    split_force(log.vector("force", i), log.vector("est_dir", i), out["normal_measured"][i], out["pull_measured"][i]);
+/// Force across and along a direction, as a mean over the window of the judge.
+void derive_force(const VectorColumns& force, const VectorColumns& direction, std::size_t samples, Column& normal,
+                  Column& pull) {
+  for (std::size_t i = 0; i < normal.size(); ++i) {
+    pull[i] = direction[i].dot(force[i]);
+    normal[i] = (force[i] - pull[i] * direction[i]).norm();
   }
+  normal = moving_mean(normal, samples);
+  pull = moving_mean(pull, samples);
+}
+
+void derive_forces(const LogColumns& log, Derived& out) {
+  const std::size_t rows = log.rows();
   const Column& time = log["time"];
   const double period = rows > 1 ? (time.back() - time.front()) / static_cast<double>(rows - 1) : kForceWindow;
   const auto samples = static_cast<std::size_t>(std::lround(std::clamp(kForceWindow / std::max(period, 1e-6), 1.0, 100.0)));
-  for (const char* name : {"normal_true", "pull_true", "normal_measured", "pull_measured"})
-    out[name] = moving_mean(out[name], samples);
-  const auto& phases = log.table().texts.at("phase");
+  for (const char* name : {"normal_true", "pull_true", "normal_measured", "pull_measured"}) out[name].assign(rows, kNothing);
+  derive_force({log, "true_force"}, {log, "true_dir"}, samples, out["normal_true"], out["pull_true"]);
+  Column &normal = out["normal_measured"], &pull = out["pull_measured"];
+  derive_force({log, "force"}, {log, "est_dir"}, samples, normal, pull);
   for (std::size_t i = 0; i < rows; ++i) {
-    if (!has_force(phases[i])) out["normal_measured"][i] = out["pull_measured"][i] = kNothing;
+    if (!has_force(log.phases()[i])) normal[i] = pull[i] = kNothing;
   }
 }
 
-void derive_estimate(const Columns& log, bool slide, Derived& out) {
-  const std::size_t rows = log.table().rows;
-  for (const char* name : {"direction_error", "direction_2sigma", "curvature_estimated", "curvature_2sigma",
-                           "curvature_true", "est_x", "est_y", "opening_estimated"}) {
+void put(Derived& out, const std::string& name, std::size_t i, const Vector3d& v) {
+  out[name + "_x"][i] = v.x();
+  out[name + "_y"][i] = v.y();
+  out[name + "_z"][i] = v.z();
+}
+
+void derive_estimate(const LogColumns& log, bool slide, Derived& out) {
+  const std::size_t rows = log.rows();
+  for (const char* name :
+       {"direction_error", "direction_2sigma", "curvature_estimated", "curvature_2sigma", "opening_estimated",
+        "opening_2sigma", "est_dir_x", "est_dir_y", "est_dir_z", "est_curv_x", "est_curv_y", "est_curv_z"}) {
     out[name].assign(rows, kNothing);
   }
-  const auto& phases = log.table().texts.at("phase");
+  Column& error = out["direction_error"];
+  const VectorColumns est_dir(log, "est_dir"), est_curv(log, "est_curv"), true_dir(log, "true_dir");
+  const TurnColumns hand(log, "hand_q"), true_hand(log, "true_hand_q");
   for (std::size_t i = 0; i < rows; ++i) {
-    out["curvature_true"][i] = log.vector("true_curv", i).norm();
-    if (!has_estimate(phases[i])) continue;
+    if (!has_estimate(log.phases()[i])) continue;
     // As it is judged: turned so that the believed hand lies on the true one, whatever frame the robot believes in.
-    const Vector3d direction = log.turn("true_hand_q", i) * log.turn("hand_q", i).conjugate() * log.vector("est_dir", i);
-    const Vector3d truth = log.vector("true_dir", i);
-    out["direction_error"][i] = kDegrees * std::atan2(direction.cross(truth).norm(), direction.dot(truth));
+    const Eigen::Quaterniond turn = true_hand[i] * hand[i].conjugate();
+    const Vector3d direction = turn * est_dir[i], truth = true_dir[i];
+    error[i] = kDegrees * std::atan2(direction.cross(truth).norm(), direction.dot(truth));
+    put(out, "est_dir", i, direction);
+    put(out, "est_curv", i, turn * est_curv[i]);
     out["direction_2sigma"][i] = 2.0 * kDegrees * log["est_dir_sigma"][i];
-    out["curvature_estimated"][i] = log.vector("est_curv", i).norm();
+    out["curvature_estimated"][i] = est_curv[i].norm();
     out["curvature_2sigma"][i] = 2.0 * log["est_curv_sigma"][i];
-    out["est_x"][i] = direction.x();
-    out["est_y"][i] = direction.y();
     out["opening_estimated"][i] = slide ? log["est_arc"][i] : kDegrees * log["est_angle"][i];
+    if (!slide) out["opening_2sigma"][i] = 2.0 * kDegrees * log["est_angle_sigma"][i];
   }
 }
 
-void derive_motion(const Columns& log, bool slide, Derived& out) {
-  const std::size_t rows = log.table().rows;
-  for (const char* name : {"centre_x", "centre_y", "true_speed", "opening", "heading_error"})
-    out[name].assign(rows, kNothing);
+void derive_motion(const LogColumns& log, bool slide, Derived& out) {
+  const std::size_t rows = log.rows();
+  const VectorColumns curvature(log, "true_curv");
+  const Column &rate = log["true_opening_rate"], &opening = log["true_opening"], &heading = log["heading_error"];
+  Column k(rows), speed(rows), shown(rows), error(rows);
   for (std::size_t i = 0; i < rows; ++i) {
-    const Vector3d curvature = log.vector("true_curv", i);
-    const double k = curvature.norm();
-    const double radius = slide ? 1.0 : 1.0 / k;
-    out["true_speed"][i] = log["true_opening_rate"][i] * radius;
-    out["opening"][i] = log["true_opening"][i] * (slide ? 1.0 : kDegrees);
-    out["heading_error"][i] = kDegrees * log["heading_error"][i];
-    if (!(k > kStraight)) continue;
-    const Vector3d centre = log.vector("true_handle", i) + curvature.cross(log.vector("true_dir", i)) / (k * k);
-    out["centre_x"][i] = centre.x();
-    out["centre_y"][i] = centre.y();
+    k[i] = curvature[i].norm();
+    speed[i] = rate[i] * (slide ? 1.0 : 1.0 / k[i]);
+    shown[i] = opening[i] * (slide ? 1.0 : kDegrees);
+    error[i] = kDegrees * heading[i];
   }
+  out["curvature_true"] = std::move(k);
+  out["true_speed"] = std::move(speed);
+  out["opening"] = std::move(shown);
+  out["heading_error"] = std::move(error);
 }
 
-void copy_columns(const Columns& log, Derived& out) {
-  constexpr std::array kCopies{std::array{"base_x", "true_base_x"},
-                               std::array{"base_y", "true_base_y"},
-                               std::array{"base_yaw", "true_base_yaw"},
-                               std::array{"hand_x", "true_hand_x"},
-                               std::array{"hand_y", "true_hand_y"},
-                               std::array{"handle_x", "true_handle_x"},
-                               std::array{"handle_y", "true_handle_y"},
-                               std::array{"true_q", "true_opening"},
-                               std::array{"distance", "distance"},
-                               std::array{"sigma_min", "sigma_min"},
-                               std::array{"base_v", "base_v"},
-                               std::array{"base_w", "base_w"},
-                               std::array{"cmd_v", "cmd_v"},
-                               std::array{"cmd_w", "cmd_w"},
-                               std::array{"wanted_speed", "wanted_speed"},
-                               std::array{"speed_factor", "speed_factor"}};
+void copy_columns(const LogColumns& log, RunSeries& run, Derived& out) {
   for (const auto& [to, from] : kCopies) out[to] = log[from];
+  while (run.joints < kMaxJoints && log.has("cmd_dq" + std::to_string(run.joints + 1))) {
+    const std::string number = std::to_string(++run.joints);
+    out["dq" + number] = log["cmd_dq" + number];
+    out["q" + number] = log["q" + number];
+  }
 }
 
-/// Rows to show: of each bucket the first, the one with the largest force (peaks must not get lost), and every change of
-/// phase.
-std::vector<std::size_t> choose_rows(const Column& force, const std::vector<std::string>& phases, int points) {
-  const std::size_t rows = phases.size();
-  std::vector<std::size_t> chosen;
-  const auto buckets = static_cast<std::size_t>(std::max(1, points / 2 - 20));
-  const std::size_t size = std::max<std::size_t>(1, (rows + buckets - 1) / buckets);
-  for (std::size_t begin = 0; begin < rows; begin += size) {
-    std::size_t peak = begin;
-    for (std::size_t i = begin; i < std::min(rows, begin + size); ++i) {
-      if (force[i] > force[peak]) peak = i;
-    }
-    chosen.push_back(begin);
-    if (peak != begin) chosen.push_back(peak);
+/// Times of the control ticks, row by row as the log; a run without that file has none.
+void read_ticks(const std::filesystem::path& file, std::size_t rows, Derived& out) {
+  std::error_code missing;
+  if (!std::filesystem::exists(file, missing)) return;
+  CsvTable table = read_csv(file, {{"tick_us"}, {}});
+  Column ticks = std::move(table.numbers["tick_us"]);
+  ticks.resize(rows, kNothing);
+  out["tick_us"] = std::move(ticks);
+}
+
+void number_phases(const std::vector<std::string>& phases, RunSeries& run, Column& out) {
+  for (const std::string& phase : phases) {
+    auto found = std::find(run.phase_names.begin(), run.phase_names.end(), phase);
+    if (found == run.phase_names.end()) found = run.phase_names.insert(found, phase);
+    out.push_back(static_cast<double>(found - run.phase_names.begin()));
   }
-  std::size_t changes = 0;
-  for (std::size_t i = 1; i < rows && changes < 18; ++i) {
-    if (phases[i] == phases[i - 1]) continue;
-    chosen.push_back(i);
-    ++changes;
-  }
-  if (rows > 0) chosen.push_back(rows - 1);
-  std::sort(chosen.begin(), chosen.end());
-  chosen.erase(std::unique(chosen.begin(), chosen.end()), chosen.end());
-  return chosen;
 }
 
 Column pick(const Column& values, const std::vector<std::size_t>& rows) {
@@ -200,32 +192,28 @@ Column pick(const Column& values, const std::vector<std::size_t>& rows) {
 
 }  // namespace
 
-RunSeries read_run_series(const std::filesystem::path& file, bool slide, int points) {
-  const Columns log(read_csv(file, wanted_columns()));
-  const CsvTable& table = log.table();
-  if (table.texts.count("phase") == 0 || table.numbers.count("time") == 0) {
+RunSeries read_run_series(const std::filesystem::path& folder, bool slide, double period) {
+  const std::filesystem::path file = folder / "log.csv";
+  const LogColumns log(read_csv(file, wanted_columns()));
+  if (log.table().texts.count("phase") == 0 || !log.has("time")) {
     throw IoError(file.string() + ":1: not a log of a run: columns time and phase are needed");
   }
+  RunSeries run;
+  run.cut_off = log.table().cut_off;
+  run.rows = log.rows();
   Derived derived;
-  copy_columns(log, derived);
+  copy_columns(log, run, derived);
   derive_forces(log, derived);
   derive_estimate(log, slide, derived);
   derive_motion(log, slide, derived);
-  RunSeries run;
-  run.cut_off = table.cut_off;
-  while (run.joints < kMaxJoints && table.numbers.count("cmd_dq" + std::to_string(run.joints + 1)) > 0) {
-    ++run.joints;
-    derived["dq" + std::to_string(run.joints)] = log["cmd_dq" + std::to_string(run.joints)];
-  }
-  const auto& phases = table.texts.at("phase");
-  const std::vector<std::size_t> rows = choose_rows(derived.at("normal_true"), phases, points);
+  read_ticks(folder / "ticks.csv", log.rows(), derived);
+  number_phases(log.phases(), run, derived["phase"]);
+  ThinningInput thinning{log["time"], log.phases(), {&derived["normal_true"], &derived["pull_true"]}, {}};
+  if (derived.count("tick_us") > 0) thinning.peaked.push_back(&derived["tick_us"]);
+  for (const auto& [name, values] : derived) thinning.ranged.push_back(&values);
+  const std::vector<std::size_t> rows = choose_rows(thinning, period);
   run.time = pick(log["time"], rows);
   for (const auto& [name, values] : derived) run.series[name] = pick(values, rows);
-  for (const std::size_t row : rows) {
-    const auto found = std::find(run.phase_names.begin(), run.phase_names.end(), phases[row]);
-    run.phase.push_back(static_cast<int>(found - run.phase_names.begin()));
-    if (found == run.phase_names.end()) run.phase_names.push_back(phases[row]);
-  }
   return run;
 }
 

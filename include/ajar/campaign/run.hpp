@@ -50,7 +50,6 @@ struct RunProgress {
 
 struct RunOptions {
   std::filesystem::path folder;                      ///< Run folder; empty = no files
-  bool timing = false;                               ///< Writes measured times into the log's tick_us column
   bool report = true;                                ///< Makes report.html
   const std::atomic<bool>* stop = nullptr;           ///< Becomes true: the robot stops safely, the run ends
   std::function<void(const RunProgress&)> progress;  ///< Called every `progress_period`

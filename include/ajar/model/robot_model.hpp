@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "ajar/core/types.hpp"
+#include "ajar/model/robot_drawing.hpp"
 
 namespace ajar {
 
@@ -74,10 +75,11 @@ class RobotModel {
   [[nodiscard]] double wheel_track() const noexcept;   ///< Distance of the driven wheels [m]
   [[nodiscard]] const RobotLimits& limits() const noexcept;
   [[nodiscard]] const std::vector<CollisionShape>& shapes() const noexcept;
-  [[nodiscard]] double tool_mass() const noexcept;          ///< Beyond the force sensor [kg]
-  [[nodiscard]] const Vector3d& tool_com() const noexcept;  ///< Of that mass, sensor axes and origin [m]
-  [[nodiscard]] const JointVector& home() const noexcept;   ///< Driving posture, shape (n)
-  [[nodiscard]] double gripper_stroke() const noexcept;     ///< Largest opening of the fingers [m]
+  [[nodiscard]] const RobotDrawing& drawing() const noexcept;  ///< What is seen of it
+  [[nodiscard]] double tool_mass() const noexcept;             ///< Beyond the force sensor [kg]
+  [[nodiscard]] const Vector3d& tool_com() const noexcept;     ///< Of that mass, sensor axes and origin [m]
+  [[nodiscard]] const JointVector& home() const noexcept;      ///< Driving posture, shape (n)
+  [[nodiscard]] double gripper_stroke() const noexcept;        ///< Largest opening of the fingers [m]
   [[nodiscard]] const std::filesystem::path& urdf_path() const noexcept;
   [[nodiscard]] const std::string& hand_frame() const noexcept;
   [[nodiscard]] const std::string& sensor_frame() const noexcept;
