@@ -18,7 +18,7 @@ int parse_and_run(CLI::App& program, int argc, char** argv, const int& exit_code
     return program.exit(asked);
   } catch (const CLI::RequiredError& error) {
     const bool unknown = argc > 1 && program.get_subcommands().empty();
-    complain(unknown ? std::string("unknown command '") + argv[1] + "'; allowed: run, campaign, validate, report"
+    complain(unknown ? std::string("unknown command '") + argv[1] + "'; allowed: run, campaign, identify, validate, report"
                      : std::string(error.what()) + " (see ajar --help)");
     return kBadInput;
   } catch (const CLI::ParseError& error) {
@@ -40,6 +40,7 @@ int main(int argc, char** argv) {
         "2 bad input or usage, 3 a fault of the program.");
     add_run(program, exit_code);
     add_campaign(program, exit_code);
+    add_identify(program, exit_code);
     add_validate(program, exit_code);
     add_report(program, exit_code);
     return parse_and_run(program, argc, argv, exit_code);

@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include <chrono>
+#include <cmath>
 #include <csignal>
 #include <filesystem>
 #include <fstream>
@@ -226,6 +227,41 @@ TEST_F(Program, CtrlCStopsTheRobotAndExitsOne) {
   EXPECT_EQ(output.exit_code, 1) << output.err;
   EXPECT_NE(text_of(folder_ / "one/result.json").find("\"stopped\""), std::string::npos);
   EXPECT_NE(output.out.find("interrupted"), std::string::npos) << output.out;
+}
+
+TEST_F(Program, IdentifiesATrackInWordsInJsonAndOnAPage) {
+  std::string track;
+  for (int i = 0; i < 100; ++i) {
+    const double angle = 0.01 * i;  // a hinge of 0.5 m about z through (0, 0, 1)
+    track += std::to_string(0.5 * std::cos(angle)) + " " + std::to_string(0.5 * std::sin(angle)) + " 1\n";
+  }
+  write("door.txt", track);
+  const Output words = run({"identify", "door.txt", "--out", "door.html"});
+  EXPECT_EQ(words.exit_code, 0) << words.err;
+  EXPECT_EQ(words.out.find("hinge"), 0U) << words.out;
+  EXPECT_NE(text_of(folder_ / "door.html").find("<svg"), std::string::npos);
+  const auto json = nlohmann::json::parse(run({"identify", "door.txt", "--json", "--sensor", "vision"}).out);
+  EXPECT_EQ(json["type"], "hinge");
+  EXPECT_NEAR(json["radius_m"], 0.5, 0.01);
+  EXPECT_NEAR(json["axis"][2], 1.0, 1e-3);
+  EXPECT_LT(std::hypot(double(json["point"][0]), double(json["point"][1])), 0.01);
+  EXPECT_EQ(json["samples"], 100);
+  for (const char* key : {"type_confidence", "curvature_per_m", "direction", "outliers", "rms_m", "radius_m_sigma"}) {
+    EXPECT_TRUE(json.contains(key)) << key;
+  }
+}
+
+TEST_F(Program, RefusesBadTracksInOneLine) {
+  expect_refused({"identify", "nowhere.txt"}, "nowhere.txt: cannot be read");
+  expect_refused({"identify", write("a.txt", "0 0 0\n1 nan 0\n")}, "a.txt:2: y = nan");
+  expect_refused({"identify", write("b.txt", "0 0\n1 1\n")}, "b.txt:1: 2 columns");
+  expect_refused({"identify", write("c.txt", "0 0 0\n1 1\n")}, "c.txt:2: 2 columns");
+  expect_refused({"identify", write("d.txt", "0 0 0 0\n2 0 0 1\n1 0 0 2\n")}, "d.txt:3: time = 1: goes back");
+  expect_refused({"identify", write("e.txt", "0 0 0\n1 0 0\n2 0 0\n")}, "e.txt: 3 samples");
+  std::string still;
+  for (int i = 0; i < 50; ++i) still += "0.1 0.2 0.3\n";
+  expect_refused({"identify", write("f.txt", still)}, "f.txt: all samples are at one point");
+  expect_refused({"identify", "f.txt", "--sensor", "sonar"}, "sonar");
 }
 
 }  // namespace

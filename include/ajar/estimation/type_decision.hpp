@@ -12,14 +12,22 @@ struct TypeThresholds {
   double threshold = 15.0;        ///< T: difference of the squared distances that decides [-]
 };
 
-/// Decides between hinge and slide by the distance of the curvature from either.
-///
-/// D_s = kapᵀ (C + k_s² I)⁻¹ kap, D_h = max(0, k_min - |kap|)²/(uᵀ C u), u = kap/|kap|; hinge if D_s - D_h > T, slide if
-/// D_h - D_s > T, otherwise unknown (docs/equations.md#estimator)
+/// Squared distances of a curvature from a slide and from a hinge.
+struct TypeDistances {
+  double slide = 0.0;  ///< D_s [-]
+  double hinge = 0.0;  ///< D_h [-]
+};
+
+/// D_s = kapᵀ (C + k_s² I)⁻¹ kap, D_h = max(0, k_min - |kap|)²/(uᵀ C u), u = kap/|kap| (docs/equations.md#estimator)
 ///
 /// @param kap  Curvature across the motion, shape (2) [1/m]
 /// @param C    Its covariance, model floor included, shape (2, 2) [1/m²]
-/// @return Unknown for values that are not finite or a covariance that is not positive
+/// @return zeros for values that are not finite or a covariance that is not positive
+[[nodiscard]] TypeDistances type_distances(const Vector2d& kap, const Eigen::Matrix2d& C,
+                                           const TypeThresholds& thresholds) noexcept;
+
+/// Decides between hinge and slide: hinge if D_s - D_h > T, slide if D_h - D_s > T, otherwise unknown.
+/// (docs/equations.md#estimator)
 [[nodiscard]] MechanismType decide_type(const Vector2d& kap, const Eigen::Matrix2d& C,
                                         const TypeThresholds& thresholds) noexcept;
 
