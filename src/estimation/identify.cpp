@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <string>
 
 #include "ajar/core/error.hpp"
@@ -15,17 +16,21 @@
 namespace ajar {
 namespace {
 
-constexpr std::size_t kLeastSamples = 8;     // six parameters of a circle in space
-constexpr std::size_t kMaxBins = 300;        // of one fit: the work grows with their cube
-constexpr double kBinLength = 0.002;         // as in the recursive filter [m]
-constexpr double kLeastExtent = 1e-3;        // samples closer together than this are one point [m]
-constexpr double kOutlier = 5.0;             // standard deviations of the robust fit
-constexpr double kRayleighMedian = 1.17741;  // median of the length of two normal components, √(2 ln 2)
-constexpr double kOneCurveLimit = 13.8;      // tail of 1e-3 of χ² with 2 degrees of freedom
-constexpr double kPrior = 3.0;               // of each component of k, as in the recursive filter [1/m]
-constexpr double kStraightPrior = 1e-6;      // a prior that allows no curvature [1/m]
-constexpr double kNoisePrior = 20.0;         // rows of prior data that say "the assumed noise is right"
-constexpr double kGripLimit = 40.0;          // as in the recursive grip test (docs/equations.md#estimator, 8)
+constexpr std::size_t kLeastSamples = 8;      // six parameters of a circle in space
+constexpr std::size_t kMaxBins = 300;         // of one fit: the work grows with their cube
+constexpr double kBinLength = 0.002;          // as in the recursive filter [m]
+constexpr double kLeastExtent = 1e-3;         // samples closer together than this are one point [m]
+constexpr double kOutlier = 4.0;              // standard deviations of the robust fit
+constexpr double kRayleighMedian = 1.17741;   // median of the length of two normal components, √(2 ln 2)
+constexpr double kSlideSagitta = 5e-3;        // [m]
+constexpr double kMostSlideCurvature = 0.25;  // [1/m]
+constexpr double kCell = 0.01;                // stretches of path that must hold an inlier [m]
+constexpr double kLeastExplained = 0.6;       // share of them; outliers beyond the ends make a few of their own
+constexpr double kOneCurveLimit = 13.8;       // tail of 1e-3 of χ² with 2 degrees of freedom
+constexpr double kPrior = 3.0;                // of each component of k, as in the recursive filter [1/m]
+constexpr double kStraightPrior = 1e-6;       // a prior that allows no curvature [1/m]
+constexpr double kNoisePrior = 20.0;          // rows of prior data that say "the assumed noise is right"
+constexpr double kGripLimit = 40.0;           // as in the recursive grip test (docs/equations.md#estimator, 8)
 constexpr double kGripMargin = 0.2;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kCurved = 1e-6;  // below this k has no direction [1/m]
@@ -45,10 +50,15 @@ PoseNoise noise_of(SensorKind sensor) {
   return noise;
 }
 
-// A robot's hand follows its mechanism closely; what people and cameras record of furniture bends on its own.
-TypeThresholds thresholds_of(SensorKind sensor) {
-  if (sensor == SensorKind::Robot) return {};
-  return {.slide_curvature = 0.25, .hinge_curvature = 0.6, .threshold = 20.0};
+// A robot's hand follows its mechanism closely. What people and cameras record of furniture bends on its own: slides by
+// about 5 mm from a line (the measured sliding cabinets by 4-7 mm), which over a length S is a curvature of 8 · 5 mm/S².
+TypeThresholds thresholds_of(SensorKind sensor, double length) {
+  TypeThresholds thresholds;
+  if (sensor == SensorKind::Robot) return thresholds;
+  const double bend = 8.0 * kSlideSagitta / std::max(length * length, 1e-9);
+  return {.slide_curvature = std::clamp(bend, thresholds.slide_curvature, kMostSlideCurvature),
+          .hinge_curvature = 0.6,
+          .threshold = 20.0};
 }
 
 std::vector<Vector3d> handle_positions(const Track& track, const IdentifyConfig& config, const std::string& name) {
@@ -163,6 +173,7 @@ class Identifier {
       result_.inlier[i] = result_.distance[i] <= limit;
       result_.outliers += result_.inlier[i] ? 0 : 1;
     }
+    result_.explained = explained_share();
     start_ = robust.path;
     double length = std::max(kBinLength, 3.0 * noise_of(config_.sensor).position_white);
     binned_ = bins_of(track_, positions_, result_, length);
@@ -171,6 +182,17 @@ class Identifier {
       binned_ = bins_of(track_, positions_, result_, length);
     }
     if (binned_.bins.size() < 4) throw ConfigError(name_ + ": fewer than 4 places along the path are left without outliers");
+  }
+
+  // Share of the stretches of path with samples that have an inlier among them.
+  [[nodiscard]] double explained_share() const {
+    std::map<long, bool> cells;
+    for (std::size_t i = 0; i < result_.arc.size(); ++i) {
+      bool& explained = cells[std::lround(result_.arc[i] / kCell)];
+      explained = explained || result_.inlier[i];
+    }
+    const auto good = std::count_if(cells.begin(), cells.end(), [](const auto& cell) { return cell.second; });
+    return static_cast<double>(good) / static_cast<double>(cells.size());
   }
 
   void place_on(const PathState& path) {
@@ -234,7 +256,9 @@ class Identifier {
       kappa[half] = fit.path.kap.norm();
       change += (half == 0 ? -1.0 : 1.0) * (best_.path.F.transpose() * fit.path.curvature()).tail<2>();
       const Eigen::Matrix2d roll = best_.path.F.rightCols<2>().transpose() * fit.path.F.rightCols<2>();
-      C += roll * fit.covariance.block<2, 2>(4, 4) * roll.transpose();
+      // What the whole path's misfit added to the noise is not the halves' own.
+      const double scale = learnt_scale(fit.position_misfit, fit.rows, 6);
+      C += scale * scale * (roll * fit.covariance.block<2, 2>(4, 4) * roll.transpose());
     }
     result_.half_curvature = {kappa[0], kappa[1]};
     result_.against_one_curve = change.dot(C.llt().solve(change));
@@ -253,7 +277,8 @@ class Identifier {
 
   void decide() {
     const Vector2d& kap = best_.path.kap;
-    const TypeThresholds thresholds = thresholds_of(config_.sensor);
+    const auto [low, high] = std::minmax_element(result_.arc.begin(), result_.arc.end());
+    const TypeThresholds thresholds = thresholds_of(config_.sensor, *high - *low);
     Eigen::Matrix2d C = best_.covariance.block<2, 2>(4, 4);
     const double floor = config_.relative_curvature_floor * kap.norm();
     result_.curvature_noise_sigma = std::sqrt(C.trace());
@@ -263,7 +288,8 @@ class Identifier {
     result_.against_slide = distances.slide;
     result_.against_hinge = distances.hinge;
     result_.type = decide_type(kap, C, thresholds);
-    if (result_.against_one_curve > kOneCurveLimit) result_.type = MechanismType::Unknown;
+    if (result_.against_one_curve > kOneCurveLimit || result_.explained < kLeastExplained)
+      result_.type = MechanismType::Unknown;
     result_.threshold = thresholds.threshold;
     result_.type_confidence = 1.0 / (1.0 + std::exp(-0.5 * std::abs(distances.slide - distances.hinge)));
   }

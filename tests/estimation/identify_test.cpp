@@ -121,14 +121,14 @@ TEST(Identify, TakesTheStretchOfTheGraspOffWhereForcesAreRecorded) {
 }
 
 TEST(Identify, CallsAPathOfTwoMechanismsUnknown) {
-  // A lever of 10 cm for 12 cm of path, then straight on.
+  // A lever of 20 cm for 20 cm of path, then straight on for as much.
   Random rng(34);
   Track track;
-  for (double s = 0.0; s < 0.24; s += 0.002) {
-    const double a = std::min(s, 0.12) / 0.1;
-    const double on = std::max(0.0, s - 0.12);
+  for (double s = 0.0; s < 0.4; s += 0.002) {
+    const double a = std::min(s, 0.2) / 0.2;
+    const double on = std::max(0.0, s - 0.2);
     TrackSample sample;
-    sample.position = Vector3d(0.1 * std::sin(a) + on * std::cos(a), 0.1 * (1.0 - std::cos(a)) + on * std::sin(a), 0.0);
+    sample.position = Vector3d(0.2 * std::sin(a) + on * std::cos(a), 0.2 * (1.0 - std::cos(a)) + on * std::sin(a), 0.0);
     sample.position += rng.normal3(3e-4);
     track.samples.push_back(sample);
   }

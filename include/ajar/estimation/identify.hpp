@@ -50,10 +50,11 @@ struct Identification {
 
   int samples = 0;
   int outliers = 0;
-  double length = 0.0;                             ///< Extent of the path along itself [m]
-  double angle = 0.0;                              ///< |k| times that [rad]
-  double rms = 0.0;                                ///< Of the distance of the inliers from the path [m]
-  double rms_line = 0.0;                           ///< Of their distance from the best straight line [m]
+  double explained = 1.0;  ///< Share of the extent that has inliers; below 0.6 the type is unknown [-]
+  double length = 0.0;     ///< Extent of the path along itself [m]
+  double angle = 0.0;      ///< |k| times that [rad]
+  double rms = 0.0;        ///< Of the distance of the inliers from the path [m]
+  double rms_line = 0.0;   ///< Of their distance from the best straight line [m]
   std::array<double, 2> half_curvature{0.0, 0.0};  ///< |k| of the first and the second half of the path [1/m]
   double against_one_curve = 0.0;  ///< Squared distance of the two halves' curvatures; beyond 13.8 the type is unknown [-]
   bool uses_rotation = false;      ///< Orientation took part: the grasp turns with the mechanism
