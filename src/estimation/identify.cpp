@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
 #include <string>
 
 #include "ajar/core/error.hpp"
@@ -24,13 +23,14 @@ constexpr double kOutlier = 4.0;              // standard deviations of the robu
 constexpr double kRayleighMedian = 1.17741;   // median of the length of two normal components, √(2 ln 2)
 constexpr double kSlideSagitta = 5e-3;        // [m]
 constexpr double kMostSlideCurvature = 0.25;  // [1/m]
-constexpr double kCell = 0.01;                // stretches of path that must hold an inlier [m]
-constexpr double kLeastExplained = 0.6;       // share of them; outliers beyond the ends make a few of their own
-constexpr double kOneCurveLimit = 13.8;       // tail of 1e-3 of χ² with 2 degrees of freedom
-constexpr double kPrior = 3.0;                // of each component of k, as in the recursive filter [1/m]
-constexpr double kStraightPrior = 1e-6;       // a prior that allows no curvature [1/m]
-constexpr double kNoisePrior = 20.0;          // rows of prior data that say "the assumed noise is right"
-constexpr double kGripLimit = 40.0;           // as in the recursive grip test (docs/equations.md#estimator, 8)
+constexpr double kAstray = 0.01;              // so far off a sample is not of this path, even if furniture is uneven [m]
+constexpr int kRun = 5;                       // so many in a row are no glitch
+constexpr double kLeastExplained = 0.55;
+constexpr double kOneCurveLimit = 13.8;  // tail of 1e-3 of χ² with 2 degrees of freedom
+constexpr double kPrior = 3.0;           // of each component of k, as in the recursive filter [1/m]
+constexpr double kStraightPrior = 1e-6;  // a prior that allows no curvature [1/m]
+constexpr double kNoisePrior = 20.0;     // rows of prior data that say "the assumed noise is right"
+constexpr double kGripLimit = 40.0;      // as in the recursive grip test (docs/equations.md#estimator, 8)
 constexpr double kGripMargin = 0.2;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kCurved = 1e-6;  // below this k has no direction [1/m]
@@ -184,15 +184,29 @@ class Identifier {
     if (binned_.bins.size() < 4) throw ConfigError(name_ + ": fewer than 4 places along the path are left without outliers");
   }
 
-  // Share of the stretches of path with samples that have an inlier among them.
+  // Share of the way that belongs to the path: apart from it go runs of samples that are far off one after the other.
   [[nodiscard]] double explained_share() const {
-    std::map<long, bool> cells;
-    for (std::size_t i = 0; i < result_.arc.size(); ++i) {
-      bool& explained = cells[std::lround(result_.arc[i] / kCell)];
-      explained = explained || result_.inlier[i];
+    double astray = 0.0;
+    double run = 0.0;
+    int in_run = 0;
+    double low = 0.0;
+    double high = 0.0;
+    for (std::size_t i = 0; i < positions_.size(); ++i) {
+      if (result_.inlier[i]) {
+        low = std::min(low, result_.arc[i]);
+        high = std::max(high, result_.arc[i]);
+      }
+      if (result_.inlier[i] || result_.distance[i] < kAstray) {
+        in_run = 0;
+        continue;
+      }
+      run = in_run == 0 ? 0.0 : run + (positions_[i] - positions_[i - 1]).norm();
+      if (++in_run >= kRun) {
+        astray += run;
+        run = 0.0;
+      }
     }
-    const auto good = std::count_if(cells.begin(), cells.end(), [](const auto& cell) { return cell.second; });
-    return static_cast<double>(good) / static_cast<double>(cells.size());
+    return (high - low) / std::max(high - low + astray, 1e-9);
   }
 
   void place_on(const PathState& path) {

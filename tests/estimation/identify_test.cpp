@@ -67,7 +67,10 @@ TEST(Identify, FindsHingesAndSlidesAndStatesHowWell) {
     recording.back = run % 5 == 0;
     const test::TruePath path = test::random_path(recording.radius, rng);
     const Identification found = identify(record(recording, path, camera_noise(), rng));
-    SCOPED_TRACE(::testing::Message() << "run " << run << ", radius " << recording.radius);
+    SCOPED_TRACE(::testing::Message() << "run " << run << ", radius " << recording.radius << ", halves "
+                                      << found.half_curvature[0] << " " << found.half_curvature[1] << ", evidence "
+                                      << found.against_slide << " " << found.against_hinge << " " << found.against_one_curve
+                                      << " " << found.explained);
     EXPECT_EQ(found.type, recording.radius > 0.0 ? MechanismType::Hinge : MechanismType::Slide);
     const auto count = [&](double error, double sigma) {
       inside += error < 2.0 * sigma ? 1 : 0;
@@ -121,19 +124,21 @@ TEST(Identify, TakesTheStretchOfTheGraspOffWhereForcesAreRecorded) {
 }
 
 TEST(Identify, CallsAPathOfTwoMechanismsUnknown) {
-  // A lever of 20 cm for 20 cm of path, then straight on for as much.
-  Random rng(34);
-  Track track;
-  for (double s = 0.0; s < 0.4; s += 0.002) {
-    const double a = std::min(s, 0.2) / 0.2;
-    const double on = std::max(0.0, s - 0.2);
-    TrackSample sample;
-    sample.position = Vector3d(0.2 * std::sin(a) + on * std::cos(a), 0.2 * (1.0 - std::cos(a)) + on * std::sin(a), 0.0);
-    sample.position += rng.normal3(3e-4);
-    track.samples.push_back(sample);
+  // 20 cm straight on; then round a corner for as much, or along an arc of 20 cm radius.
+  for (const bool corner : {true, false}) {
+    Random rng(34);
+    Track track;
+    for (double s = 0.0; s < 0.4; s += 0.002) {
+      const double on = std::max(0.0, s - 0.2);
+      const Vector3d turned = 0.2 * Vector3d(std::sin(on / 0.2), 1.0 - std::cos(on / 0.2), 0.0);
+      TrackSample sample;
+      sample.position = Vector3d(std::min(s, 0.2), 0.0, 0.0) + (corner ? Vector3d(on * Vector3d::UnitY()) : turned);
+      sample.position += rng.normal3(3e-4);
+      track.samples.push_back(sample);
+    }
+    const Identification found = identify(track);
+    EXPECT_EQ(found.type, MechanismType::Unknown) << found.against_one_curve << ", " << found.explained;
   }
-  const Identification found = identify(track);
-  EXPECT_EQ(found.type, MechanismType::Unknown) << found.against_one_curve;
 }
 
 TEST(Identify, ReturnsAPathThatPassesThroughItsStart) {

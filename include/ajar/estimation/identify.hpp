@@ -50,7 +50,7 @@ struct Identification {
 
   int samples = 0;
   int outliers = 0;
-  double explained = 1.0;  ///< Share of the extent that has inliers; below 0.6 the type is unknown [-]
+  double explained = 1.0;  ///< Share of the way that belongs to the path; below 0.55 the type is unknown [-]
   double length = 0.0;     ///< Extent of the path along itself [m]
   double angle = 0.0;      ///< |k| times that [rad]
   double rms = 0.0;        ///< Of the distance of the inliers from the path [m]
