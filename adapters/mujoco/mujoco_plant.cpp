@@ -319,6 +319,8 @@ RobotState MujocoPlant::Impl::measure() noexcept {
   state.gripper_opening = grasp.opening();
   const Pose moved = leaf_motion(mechanism, truth.opening);
   state.handle = see_handle(mechanism.handle, moved, to_pose(truth.base), config.perception, disturbances, gripper_closed);
+  state.handle.doorway = see_doorway(mechanism.doorway, moved * mechanism.handle.position, to_pose(truth.base),
+                                     config.perception, disturbances);
   if (fault(Fault::Kind::JointNan) || diverged) {
     state.q.setConstant(std::numeric_limits<double>::quiet_NaN());
     state.dq.setConstant(std::numeric_limits<double>::quiet_NaN());

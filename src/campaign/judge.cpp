@@ -65,6 +65,7 @@ struct Judge::Impl {
   double normal_sum = 0.0, late_sum = 0.0, heading_squares = 0.0;
   long late_ticks = 0, heading_ticks = 0;
   bool base_moved = false;
+  bool taken = false;  // the hand holds the handle as it was met
   double opening_at_start = 0.0;
   Vector3d offset_at_start = Vector3d::Zero();
   MechanismType type = MechanismType::Unknown;
@@ -81,7 +82,9 @@ struct Judge::Impl {
   void begin_phase(const TickView& tick) {
     last_phase = tick.record.phase;
     for (MovingMean* mean : {&normal_force, &pull_force, &whole_force, &torque}) mean->clear();
-    if (tick.record.phase != Phase::Open || open_ticks > 0) return;
+    if (tick.record.phase == Phase::Grasp) taken = false;
+    if (tick.record.phase != Phase::Open || taken) return;
+    taken = true;
     opening_at_start = tick.truth.opening;
     offset_at_start = tick.truth.hand.translation() - tick.truth.handle;
   }

@@ -131,6 +131,10 @@ void add_door_walls(const MechanismConfig& config, const Layout& layout, Mechani
   for (const Vector2d& span : spans) {
     out.world.push_back(box_between(layout, {span.minCoeff(), 0.0, 0.0}, {span.maxCoeff(), kWallThickness, kWallHeight}));
   }
+  const double hinge = h * (config.radius + kWallFromAxis);
+  const double strike = -h * kWallFromHandle;
+  out.doorway = Doorway{layout.X_WL * Vector3d(std::min(hinge, strike), 0.0, 0.0),
+                        layout.X_WL * Vector3d(std::max(hinge, strike), 0.0, 0.0)};
 }
 
 // The body of an oven or a cabinet behind a front whose back is at y = back.

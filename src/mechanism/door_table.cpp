@@ -144,7 +144,18 @@ void add_leaf(const RowReader& row, Mechanism& out) {
     const double middle = 0.5 * (row.number("jamb_left_x") + row.number("jamb_right_x"));
     const Vector3d other(2.0 * middle - x, y, z);
     out.world.push_back(box_between(other - half, other + half));
+    // The shut leaf is the frame on its side.
+    if (out.doorway) {
+      (other.x() < x ? out.doorway->left : out.doorway->right).x() = other.x() + std::copysign(half.x(), x - other.x());
+    }
   }
+}
+
+// The opening as one sees it from the robot's side; doors only, a sliding or lifting leaf has no frame to pass.
+void add_doorway(const RowReader& row, Mechanism& out) {
+  if (out.kind != JointKind::Hinge || std::abs(out.axis.z()) < 0.9) return;
+  const double y = row.number("wall_y_min");
+  out.doorway = Doorway{{row.number("jamb_left_x"), y, 0.0}, {row.number("jamb_right_x"), y, 0.0}};
 }
 
 // From an opening's edge outwards: the frame up to the wall, then the wall; a gate has posts instead.
@@ -200,6 +211,7 @@ Mechanism load_door(const std::filesystem::path& csv, const std::string& id) {
   out.handle = read_handle(row, out);
   out.latch = row.text("latch") == "none" ? "" : row.text("latch");
   out.latched = !out.latch.empty();
+  add_doorway(row, out);
   add_leaf(row, out);
   add_surroundings(row, out);
   try {

@@ -18,6 +18,7 @@ const char* to_string(Phase phase) noexcept {
     case Phase::Grasp: return "grasp";
     case Phase::Probe: return "probe";
     case Phase::Open: return "open";
+    case Phase::Regrasp: return "regrasp";
     case Phase::Release: return "release";
     case Phase::Retreat: return "retreat";
     case Phase::Done: return "done";
@@ -121,7 +122,7 @@ std::string Mission::explain() const {
     case EndReason::GraspLost: return fmt::format("the handle was lost: {}", seen);
     case EndReason::Locked: return fmt::format("nothing gives at {:.0f} N in any direction", m.prober.strongest());
     case EndReason::OpensAway:
-      return fmt::format("it opens away from the robot, and pushing through a doorway is not attempted: {}", seen);
+      return fmt::format("it opens away from the robot, and no doorway is seen to push it through: {}", seen);
     case EndReason::NeedsMoreForce:
       return fmt::format("needs more than {:.0f} N at the handle: {}", m.config.limits.force - 8.0, seen);
     case EndReason::Stalled: return fmt::format("stands still without force: {}", seen);

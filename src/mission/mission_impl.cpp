@@ -39,6 +39,11 @@ void SightAverage::add(const HandleSight& sight, const BasePose& base) noexcept 
   position_ += share * (X_WB * sight.position - position_);
   normal_ += share * (X_WB.linear() * sight.normal - normal_);
   bar_ += share * (X_WB.linear() * sight.bar - bar_);
+  if (sight.doorway) {
+    left_edge_ += share * (X_WB * sight.doorway->left - left_edge_);
+    right_edge_ += share * (X_WB * sight.doorway->right - right_edge_);
+  }
+  framed_ = sight.doorway.has_value();
   standoff_ = sight.standoff;
   thickness_ = sight.thickness;
 }
@@ -50,6 +55,7 @@ HandleBelief SightAverage::belief() const noexcept {
   belief.bar = bar_.norm() > 0.5 ? Vector3d(bar_.normalized()) : Vector3d(Vector3d::Zero());
   belief.standoff = standoff_;
   belief.thickness = thickness_;
+  if (framed_) belief.doorway = Doorway{left_edge_, right_edge_};
   return belief;
 }
 
@@ -119,6 +125,7 @@ Command Mission::Impl::step(const RobotState& measured) noexcept {
           case Phase::Grasp: grasp(state); break;
           case Phase::Probe: probe(state); break;
           case Phase::Open: open(state); break;
+          case Phase::Regrasp: regrasp(state); break;
           case Phase::Release: release(state); break;
           case Phase::Retreat: retreat(state); break;
           case Phase::Done:
@@ -193,7 +200,8 @@ void Mission::Impl::process(Event event, EndReason reason) noexcept {
 }
 
 void Mission::Impl::enter(Phase next) noexcept {
-  if (next != Phase::Release) command_zero();  // the hand on the handle brakes together with the base
+  if (next != Phase::Release && next != Phase::Regrasp)
+    command_zero();  // the hand on the handle brakes together with the base
   phase = next;
   time_in_phase = 0.0;
   planned = false;
@@ -215,6 +223,7 @@ void Mission::Impl::enter(Phase next) noexcept {
     case Phase::Open: controller.reset(); break;
     case Phase::Retreat: retreat_sense = 0.0; break;
     case Phase::Approach:
+    case Phase::Regrasp:
     case Phase::Release:
     case Phase::Done:
     case Phase::Stopped: break;

@@ -7,6 +7,7 @@
 #include "ajar/mission/opener.hpp"
 #include "ajar/mission/phase_table.hpp"
 #include "ajar/mission/prober.hpp"
+#include "ajar/planning/passage.hpp"
 
 namespace ajar {
 
@@ -22,6 +23,9 @@ class SightAverage {
   Vector3d position_ = Vector3d::Zero();
   Vector3d normal_ = Vector3d::Zero();
   Vector3d bar_ = Vector3d::Zero();
+  Vector3d left_edge_ = Vector3d::Zero();
+  Vector3d right_edge_ = Vector3d::Zero();
+  bool framed_ = false;
   double standoff_ = 0.06;
   double thickness_ = 0.0;
   int count_ = 0;
@@ -50,6 +54,9 @@ struct Mission::Impl {
   void close_fingers(const RobotState& state) noexcept;
   void probe(const RobotState& state) noexcept;
   void open(const RobotState& state) noexcept;
+  bool found_to_open_away(EndDetector::Verdict verdict) noexcept;
+  bool let_go(const RobotState& state) noexcept;
+  void regrasp(const RobotState& state);
   void release(const RobotState& state) noexcept;
   void retreat(const RobotState& state) noexcept;
 
@@ -100,6 +107,7 @@ struct Mission::Impl {
   double last_opening = 0.0;
   int misses = 0;
   int probes = 0;
+  std::optional<HingeSide> felt_side;  // of a leaf that opens away
   double blocked_time = 0.0;
   Pose clear_pose = Pose::Identity();
   BasePose retreat_start;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "ajar/core/so3.hpp"
+#include "ajar/planning/passage.hpp"
 
 namespace ajar {
 namespace {
@@ -41,7 +42,10 @@ void Opener::start(const RobotState& state, const Kinematics& kinematics, const 
   R_grasp_ = kinematics.X_WE.linear();
   bar_in_hand_ = R_grasp_.transpose() * belief.bar;
   turned_.setZero();
-  base_law_.reset(state.base, kinematics.X_WE.translation());
+  base_law_.reset(state.base, kinematics.X_WE.translation(),
+                  belief.passage ? std::optional(passage_line(*belief.passage)) : std::nullopt);
+  straight_ = belief.passage.has_value();
+  opened_ = belief.passage ? belief.passage->opened : 0.0;
   HandleBelief held = belief;
   held.position = kinematics.X_WE.translation();
   scene_.reset(held);
@@ -67,7 +71,7 @@ double Opener::confidence(const MechanismEstimate& estimate) const noexcept {
 double Opener::speed_cap(const MechanismEstimate& estimate) const noexcept {
   const double kappa = estimate.curvature.norm();
   const bool hinge = estimate.type == MechanismType::Hinge && kappa > kLeastCurvature;
-  const double left = hinge ? (kStopPossibleAngle - estimate.angle) / kappa : kStopPossibleArc - estimate.arc;
+  const double left = hinge ? (kStopPossibleAngle - opened_ - estimate.angle) / kappa : kStopPossibleArc - estimate.arc;
   return std::sqrt(kSlowSpeed * kSlowSpeed + 2.0 * config_.force.deceleration * std::max(0.0, left));
 }
 
@@ -171,6 +175,7 @@ EndDetector::Verdict Opener::step(const RobotState& state, const Kinematics& kin
   if (pivots) pivot_about(free_axis, correction.turn, R, problem);
   problem.base = record.base.twist;
   problem.base_fixed = sure <= 0.0;
+  problem.keep_heading = straight_;
   clearance.compute(model_, state.base, clearances_);
   problem.clearance = &clearances_;
   problem.leaf_velocity_at_hand = speed * x;
@@ -179,6 +184,7 @@ EndDetector::Verdict Opener::step(const RobotState& state, const Kinematics& kin
   solve(problem, controller, record.solution);
 
   record.estimate = estimate;
+  record.estimate.angle += opened_;
   record.wanted_speed = speed;
   record.reference = problem.tangential + problem.correction;
   record.clearance_min = *std::min_element(clearances_.smallest.begin(), clearances_.smallest.end());
@@ -190,7 +196,7 @@ EndDetector::Verdict Opener::step(const RobotState& state, const Kinematics& kin
                      .force_cap = force_cap(estimate),
                      .speed_factor = record.solution.speed_factor,
                      .binding = record.solution.binding},
-                    estimate);
+                    record.estimate);
 }
 
 }  // namespace ajar

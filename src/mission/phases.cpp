@@ -31,6 +31,8 @@ constexpr int kMaxProbes = 3;
 constexpr double kProbeReserve = 8.0;    // over the force that moved it in probing [N]
 constexpr double kAwayArc = 0.04;        // a direction this far travelled is felt, not guessed [m]
 constexpr double kAwayCosine = -0.5;     // more into the wall than along it
+constexpr double kFeelArc = 0.12;        // travel after which the hinge's side is taken for felt anyway [m]
+constexpr double kSideSigmas = 3.0;      // curvature over its deviation that tells the side
 constexpr double kRelease = 1e-3;        // gives way to what force is left: half of α_f [m/(N s)]
 constexpr double kReleaseTurn = 0.05;    // [rad/(N m s)]
 constexpr double kRelaxTime = 0.3;       // standstill before the fingers open [s]
@@ -52,6 +54,7 @@ void Mission::Impl::choose(const RobotState& state) {
   }
   if (time_in_phase < kLookTime) return;
   handle = sights.belief();
+  if (felt_side) handle.passage = make_passage(handle, *felt_side);
   if (handle.thickness <= 0.0 || handle.thickness > model.gripper_stroke()) {
     detail = handle.thickness <= 0.0 ? std::string("nothing to grip: flush with the leaf")
                                      : fmt::format("nothing to grip: {:.3f} m thick, the fingers open to {:.3f} m",
@@ -73,6 +76,10 @@ void Mission::Impl::approach(const RobotState& state) {
     KeepOut wall;
     wall.point = (handle.position - handle.standoff * handle.normal).head<2>();
     wall.normal = handle.normal.head<2>().normalized();
+    if (handle.passage) {
+      wall.point = handle.passage->hinge.head<2>();
+      wall.normal = -handle.passage->inward.head<2>();
+    }
     const bool upright = handle.normal.head<2>().norm() > 0.5;  // a lid has no wall behind it
     navigator.set_target(state.base, candidates[candidate].base, upright ? &wall : nullptr);
     planned = true;
@@ -196,9 +203,10 @@ void Mission::Impl::close_fingers(const RobotState& state) noexcept {
   if (time_in_phase < 2.0 * kFingersStill || (still_fingers < kFingersStill && time_in_phase < kFingerTime)) return;
   if (state.gripper_opening > kHeldOpening) {
     direction = guess.value_or(handle.normal);
+    if (handle.passage) direction = passage_direction(handle, *handle.passage);
     opener.start(state, record.kinematics, handle, direction);
     record.estimate = opener.estimate();
-    process(guess ? Event::Held : Event::HeldBlind);
+    process(guess || handle.passage ? Event::Held : Event::HeldBlind);
     return;
   }
   command.gripper_closed = false;
@@ -226,13 +234,8 @@ void Mission::Impl::open(const RobotState& state) noexcept {
     return;
   }
   const EndDetector::Verdict verdict = opener.step(state, record.kinematics, record.wrench, controller, clearance, record);
-  const MechanismEstimate& estimate = record.estimate;
-  const bool away = estimate.fitted && estimate.arc > kAwayArc && estimate.direction.dot(handle.normal) < kAwayCosine;
-  if (away && verdict == EndDetector::Verdict::Going) {
-    process(Event::Ended, EndReason::OpensAway);
-    return;
-  }
   command_solution();
+  if (found_to_open_away(verdict)) return;
   switch (verdict) {
     case EndDetector::Verdict::Going: break;
     case EndDetector::Verdict::Goal: process(Event::Ended, EndReason::GoalReached); break;
@@ -250,7 +253,24 @@ void Mission::Impl::open(const RobotState& state) noexcept {
   }
 }
 
-void Mission::Impl::release(const RobotState& state) noexcept {
+// A leaf that gives away from the robot: where a doorway is seen it is pushed, once the side of its hinge is felt.
+bool Mission::Impl::found_to_open_away(EndDetector::Verdict verdict) noexcept {
+  const MechanismEstimate& e = record.estimate;
+  const bool away = e.fitted && e.arc > kAwayArc && e.direction.dot(handle.normal) < kAwayCosine;
+  if (!away || handle.passage) return false;
+  if (!handle.doorway) {
+    process(Event::Ended, EndReason::OpensAway);
+    return true;
+  }
+  const bool felt = std::abs(e.curvature.z()) > kSideSigmas * e.curvature_sigma || e.arc > kFeelArc;
+  if (!felt && verdict == EndDetector::Verdict::Going) return false;
+  felt_side = e.curvature.z() < 0.0 ? HingeSide::Right : HingeSide::Left;
+  process(Event::Rechoose);
+  return true;
+}
+
+// Lets the force go, opens the fingers and draws the hand back along its axis. True once it is clear of the handle.
+bool Mission::Impl::let_go(const RobotState& state) noexcept {
   if (time_in_phase < kRelaxTime + kOpenFingerTime) {
     // The arm takes up what the base still rolls and lets the force go; then the fingers open.
     Vector6d give;
@@ -260,10 +280,33 @@ void Mission::Impl::release(const RobotState& state) noexcept {
     command.gripper_closed = time_in_phase <= kRelaxTime;
     clear_pose = record.kinematics.X_WE;
     clear_pose.translation() -= kWithdraw * clear_pose.linear().col(2);
-    return;
+    return false;
   }
   const double left = move_hand(state, clear_pose, kHandSpeed);
-  if (left < 5.0 * kAtHandle || time_in_phase > kAdvanceTime) process(Event::Clear);
+  return left < 5.0 * kAtHandle || time_in_phase > kAdvanceTime;
+}
+
+void Mission::Impl::release(const RobotState& state) noexcept {
+  if (let_go(state)) process(Event::Clear);
+}
+
+// Lets go and folds the arm for the drive to another place.
+void Mission::Impl::regrasp(const RobotState& state) {
+  if (!planned) {
+    if (!let_go(state)) return;
+    command_zero();
+    opener.scene().place(clearance, false);
+    std::vector<JointVector> path = plan_joint_path(model, clearance, state.base, state.q, model.home(), seed);
+    if (path.empty()) {
+      process(Event::GaveUp, EndReason::Unreachable);
+      return;
+    }
+    joint_move.start(std::move(path));
+    planned = true;
+    return;
+  }
+  command_joints(joint_move.step(state.q, config.period));
+  if (joint_move.done()) process(Event::Clear);
 }
 
 void Mission::Impl::retreat(const RobotState& state) noexcept {

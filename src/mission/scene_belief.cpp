@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "ajar/core/so3.hpp"
+#include "ajar/planning/passage.hpp"
 
 namespace ajar {
 namespace {
@@ -36,6 +37,12 @@ Vector3d horizontal_unit(const Vector3d& v, const Vector3d& fallback) {
 void SceneBelief::reset(const HandleBelief& belief) {
   belief_ = belief;
   normal_ = horizontal_unit(belief.normal, -Vector3d::UnitY());
+  if (belief.passage) {
+    const std::array<Box, 2> walls = passage_walls(*belief.passage);
+    wall_ = walls[0];
+    hinge_wall_ = walls[1];
+    axis_ = passage_axis(belief, *belief.passage);
+  }
   update(MechanismEstimate{}, belief.position, Vector3d::Zero());
 }
 
@@ -43,7 +50,9 @@ void SceneBelief::update(const MechanismEstimate& estimate, const Vector3d& hand
   const Vector3d& k = estimate.curvature;
   const double kappa = k.norm();
   Vector3d wanted = normal_;
-  if (estimate.fitted && estimate.arc > kRefineArc && estimate.direction_sigma < 0.06 && estimate.curvature_sigma < 0.3) {
+  // The seen edges of a doorway tell its plane; the pins of a leaf that opens away stand on its far face.
+  if (!belief_.passage && estimate.fitted && estimate.arc > kRefineArc && estimate.direction_sigma < 0.06 &&
+      estimate.curvature_sigma < 0.3) {
     if (kappa > kSurelyHinged && std::abs(k.z()) > 0.8 * kappa) {
       // The handle stands `standoff` before the plane that holds the axis: that fixes the plane. (law 5)
       const Vector3d centre = estimate.point + k.cross(estimate.direction) / (kappa * kappa);
@@ -67,21 +76,24 @@ void SceneBelief::update(const MechanismEstimate& estimate, const Vector3d& hand
     if (wanted.dot(normal_) > 0.9) normal_ = (normal_ + kRefineRate * (wanted - normal_)).normalized();
   }
 
-  const Matrix3d R_wall = leaf_axes(normal_);
-  wall_.half_extents = Vector3d(2.5, 0.5 * kWallThickness, 1.5);
-  wall_.pose.linear() = R_wall;
-  wall_.pose.translation() = belief_.position - (belief_.standoff - kFront + 0.5 * kWallThickness) * normal_;
-  wall_.pose.translation().z() = 1.5;
+  const Matrix3d R_closed = leaf_axes(normal_);
+  if (!belief_.passage) {
+    wall_.half_extents = Vector3d(2.5, 0.5 * kWallThickness, 1.5);
+    wall_.pose.linear() = R_closed;
+    wall_.pose.translation() = belief_.position - (belief_.standoff - kFront + 0.5 * kWallThickness) * normal_;
+    wall_.pose.translation().z() = 1.5;
+  }
 
-  const Matrix3d R_leaf = exp_so3(turned) * R_wall;
+  const Matrix3d R_leaf = exp_so3(turned) * R_closed;
   const Vector3d n_leaf = -R_leaf.col(1);
   const Vector3d foot = hand - belief_.standoff * n_leaf;
   leaf_.pose.linear() = R_leaf;
   leaf_.half_extents = Vector3d(0.25, 0.01, 0.10);
   leaf_.pose.translation() = foot - 0.01 * n_leaf;
-  if (estimate.type != MechanismType::Hinge || estimate.arc < kRefineArc || kappa < 1e-3) return;
-  const Vector3d centre = estimate.point + k.cross(estimate.direction) / (kappa * kappa);
-  const bool vertical = std::abs(k.z()) > 0.7 * kappa;
+  const bool felt = estimate.type == MechanismType::Hinge && estimate.arc > kRefineArc && kappa > 1e-3;
+  if (!felt && !belief_.passage) return;
+  const Vector3d centre = felt ? Vector3d(estimate.point + k.cross(estimate.direction) / (kappa * kappa)) : axis_;
+  const bool vertical = !felt || std::abs(k.z()) > 0.7 * kappa;
   const Vector3d along = vertical ? R_leaf.col(0) : R_leaf.col(2);
   const double reach = std::clamp((centre - foot).dot(along), -1.1, 1.1);
   // From near the axis to beyond the handle, on the handle's side of the axis.
@@ -99,7 +111,13 @@ void SceneBelief::update(const MechanismEstimate& estimate, const Vector3d& hand
 }
 
 void SceneBelief::place(ClearanceChecker& checker, bool hand_near) const noexcept {
-  checker.set_obstacle(kWallObstacle, wall_, hand_near);
+  // Beside a doorway the hand has room, and none to touch the frame.
+  checker.set_obstacle(kWallObstacle, wall_, hand_near && !belief_.passage);
+  if (belief_.passage) {
+    checker.set_obstacle(kHingeWallObstacle, hinge_wall_, false);
+  } else {
+    checker.clear_obstacle(kHingeWallObstacle);
+  }
   checker.set_obstacle(kLeafObstacle, leaf_, hand_near);
 }
 

@@ -7,6 +7,7 @@
 
 #include "ajar/core/error.hpp"
 #include "ajar/core/so3.hpp"
+#include "ajar/planning/passage.hpp"
 #include "posture_finder.hpp"
 
 namespace ajar {
@@ -34,6 +35,8 @@ constexpr double kArrivalLoss = 0.02;
 constexpr double kWorthless = -0.05;
 // Starts per place and orientation before the next place gets its turn: variety first.
 constexpr int kStartsPerVisit = 3;
+// A doorway has few places to stand: each gets more starts.
+constexpr int kPassageStarts = 10;
 // Disturbed placements: error of the seen normal, of the base's place and of its heading.
 struct Disturbance {
   double normal;
@@ -43,6 +46,9 @@ struct Disturbance {
 };
 constexpr Disturbance kDisturbances[] = {
     {0.17, 0.02, 0.02, 0.07}, {-0.17, -0.02, 0.02, -0.07}, {0.17, -0.02, -0.02, -0.07}, {-0.17, 0.02, -0.02, 0.07}};
+// Before a doorway both edges are seen as well, and only the base stands beside its place.
+constexpr Disturbance kPassageDisturbances[] = {
+    {0.0, 0.015, 0.015, 0.035}, {0.0, -0.015, 0.015, -0.035}, {0.0, -0.015, -0.015, -0.035}, {0.0, 0.015, -0.015, 0.035}};
 
 void require(bool ok, const char* key, double value, const char* allowed) {
   if (!ok) throw ConfigError("planner." + std::string(key) + " = " + std::to_string(value) + ": must be " + allowed);
@@ -76,6 +82,8 @@ void shuffle(std::vector<T>& values, Random& random) {
 void PlannerConfig::validate() const {
   require_list(hinge_radii, "hinge_radii", 0.1, 2.0);
   require_list(distances, "distances", 0.3, 2.0);
+  require_list(passage_distances, "passage_distances", 0.3, 2.0);
+  require_list(passage_yaws, "passage_yaws", -kPi, kPi);
   require_list(azimuths, "azimuths", -kPi, kPi);
   require(hinge_angle > 0.0 && hinge_angle <= kPi, "hinge_angle", hinge_angle, "in (0, 3.14]");
   require(drawer_travel > 0.0 && drawer_travel <= 2.0, "drawer_travel", drawer_travel, "in (0, 2]");
@@ -118,6 +126,15 @@ struct GraspPlanner::Impl {
 // Base poses round the handle in the frame of the leaf's normal that keep their distance to the wall.
 std::vector<BasePose> GraspPlanner::Impl::places(const HandleBelief& belief) {
   std::vector<BasePose> out;
+  if (belief.passage) {
+    const BaseLine line = passage_line(*belief.passage);
+    const double yaw = std::atan2(line.direction.y(), line.direction.x());
+    for (const double distance : config.passage_distances) {
+      const Vector3d p = line.point + (line.direction.dot(belief.position - line.point) - distance) * line.direction;
+      for (const double heading : {yaw, wrap_angle(yaw + kPi)}) out.push_back({p.x(), p.y(), heading});
+    }
+    return out;
+  }
   const Vector3d n = Vector3d(belief.normal.x(), belief.normal.y(), 0.0).normalized();
   for (const double distance : config.distances) {
     for (const double azimuth : config.azimuths) {
@@ -142,10 +159,11 @@ std::vector<Posture> GraspPlanner::Impl::pool(const HandleBelief& belief, Random
   }
   shuffle(around, random);
   const PostureLimits limits{config.least_sigma, config.own_clearance, kArmWall};
-  const std::vector<Matrix3d> orientations = hand_orientations(belief);
+  const std::vector<Matrix3d> orientations = hand_orientations(belief, config);
   PostureTally tally;
   const auto wanted = static_cast<std::size_t>(config.roll_outs);
-  for (int round = 0; round * kStartsPerVisit < config.ik_starts && out.size() < wanted; ++round) {
+  const int starts = config.ik_starts * (belief.passage ? kPassageStarts : 1);
+  for (int round = 0; round * kStartsPerVisit < starts && out.size() < wanted; ++round) {
     for (const BasePose& base : around) {
       for (int start = 0; start < kStartsPerVisit && out.size() < wanted; ++start) {
         const Matrix3d& R = orientations[static_cast<std::size_t>(random.index(static_cast<int>(orientations.size())))];
@@ -205,7 +223,7 @@ std::vector<Posture> GraspPlanner::Impl::best_of(const HandleBelief& belief, std
 double GraspPlanner::Impl::disturbed(const HandleBelief& belief, std::vector<MechanismHypothesis>& hypotheses,
                                      const Posture& posture, double enough) {
   double value = posture.value;
-  for (const Disturbance& d : kDisturbances) {
+  for (const Disturbance& d : belief.passage ? kPassageDisturbances : kDisturbances) {
     HandleBelief seen = belief;
     seen.normal = turned_about_z(belief.normal, d.normal);
     seen.bar = turned_about_z(belief.bar, d.normal);
@@ -227,7 +245,7 @@ std::vector<Posture> GraspPlanner::Impl::postures_at(const HandleBelief& belief,
   std::vector<Posture> out;
   PostureTally tally;
   const PostureLimits limits{kKeepSigma, kKeepOwn, kKeepWall};
-  for (const Matrix3d& R : hand_orientations(belief)) {
+  for (const Matrix3d& R : hand_orientations(belief, config)) {
     const Pose hand = hand_at(belief, R);
     for (int start = 0; start < 2 * config.ik_starts; ++start) {
       const std::optional<JointVector> q = finder.reach(base, hand, random, tally);
@@ -287,7 +305,7 @@ bool GraspPlanner::choose_posture(const HandleBelief& belief, const BasePose& ba
   if (!finite(belief) || !placed || candidate.grasp.size() != impl_->model.joints()) return false;
   Impl& impl = *impl_;
   // The orientation of the plan, carried over to the handle as it is seen now.
-  const std::vector<Matrix3d> orientations = hand_orientations(belief);
+  const std::vector<Matrix3d> orientations = hand_orientations(belief, impl.config);
   const Matrix3d& R = *std::min_element(orientations.begin(), orientations.end(), [&](const Matrix3d& a, const Matrix3d& b) {
     return log_so3(a * candidate.hand.linear().transpose()).norm() < log_so3(b * candidate.hand.linear().transpose()).norm();
   });

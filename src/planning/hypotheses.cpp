@@ -1,8 +1,10 @@
 #include "ajar/planning/hypotheses.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "ajar/core/so3.hpp"
+#include "ajar/planning/passage.hpp"
 
 namespace ajar {
 
@@ -12,6 +14,8 @@ namespace {
 constexpr double kUpright = 0.7071;
 // Below this curvature the chord formulas lose digits; the arc is then straight to 1e-9 m per metre [1/m].
 constexpr double kStraight = 1e-9;
+// A leaf that already stands open is still pushed by this much [rad].
+constexpr double kLeastAngle = 0.2;
 
 /// Turning about an axis through a point that lies `radius` along `towards` from the handle's foot on the leaf.
 MechanismHypothesis turning(const HandleBelief& belief, const Vector3d& n, const Vector3d& towards, double radius,
@@ -23,6 +27,16 @@ MechanismHypothesis turning(const HandleBelief& belief, const Vector3d& n, const
   out.direction = axis.cross(arm).normalized();
   out.curvature = axis / arm.norm();
   out.travel = angle * arm.norm();
+  return out;
+}
+
+/// Turning away from the robot about the believed axis of a doorway.
+MechanismHypothesis pushed(const HandleBelief& belief, const Passage& passage, double angle) {
+  MechanismHypothesis out;
+  out.name = "pushed through the doorway";
+  out.direction = passage_direction(belief, passage);
+  out.curvature = passage_curvature(belief, passage);
+  out.travel = std::max(kLeastAngle, angle - passage.opened) / out.curvature.norm();
   return out;
 }
 
@@ -55,6 +69,7 @@ HypothesisPoint point_at(const MechanismHypothesis& hypothesis, double arc) noex
 }
 
 std::vector<MechanismHypothesis> make_hypotheses(const HandleBelief& belief, const PlannerConfig& config) {
+  if (belief.passage) return {pushed(belief, *belief.passage, config.hinge_angle)};
   const Vector3d n = Vector3d(belief.normal.x(), belief.normal.y(), 0.0).normalized();
   const Vector3d side = Vector3d::UnitZ().cross(n);
   const bool knob = belief.bar.norm() < 0.5;

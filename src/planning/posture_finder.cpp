@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "ajar/core/so3.hpp"
+#include "ajar/planning/passage.hpp"
 
 namespace ajar {
 
@@ -46,15 +47,21 @@ Matrix3d grasp_orientation(const HandleBelief& belief, bool flip) {
   return R;
 }
 
-std::vector<Matrix3d> hand_orientations(const HandleBelief& belief) {
+std::vector<Matrix3d> hand_orientations(const HandleBelief& belief, const PlannerConfig& config) {
   std::vector<Matrix3d> out{grasp_orientation(belief, false), grasp_orientation(belief, true)};
-  if (belief.bar.norm() > 0.5) return out;
-  for (const double roll : {0.25 * kPi, 0.5 * kPi, 0.75 * kPi}) {
-    const Matrix3d R = Eigen::AngleAxisd(roll, Vector3d::UnitZ()).toRotationMatrix();
-    out.push_back(grasp_orientation(belief, false) * R);
-    out.push_back(grasp_orientation(belief, true) * R);
+  if (belief.bar.norm() < 0.5) {
+    for (const double roll : {0.25 * kPi, 0.5 * kPi, 0.75 * kPi}) {
+      const Matrix3d R = Eigen::AngleAxisd(roll, Vector3d::UnitZ()).toRotationMatrix();
+      out.push_back(grasp_orientation(belief, false) * R);
+      out.push_back(grasp_orientation(belief, true) * R);
+    }
   }
-  return out;
+  if (!belief.passage) return out;
+  std::vector<Matrix3d> turned;
+  for (const double yaw : config.passage_yaws) {
+    for (const Matrix3d& R : out) turned.push_back(turned_to_hinge(R, *belief.passage, yaw));
+  }
+  return turned;
 }
 
 Pose hand_at(const HandleBelief& belief, const Matrix3d& R) {
@@ -124,7 +131,7 @@ std::optional<JointVector> PostureFinder::approach(const HandleBelief& belief, c
   JointVector q = grasp.q;
   for (int i = 1; i <= kApproachPoints; ++i) {
     Pose hand = grasp.hand;
-    hand.translation() += (config_.approach_distance * i / kApproachPoints) * belief.normal;
+    hand.translation() -= (config_.approach_distance * i / kApproachPoints) * hand.linear().col(2);
     const JointVector before = q;
     if (!model_.solve_ik(grasp.base, hand, q, kIterations) || !inside_limits(q)) return std::nullopt;
     if ((q - before).cwiseAbs().maxCoeff() > kApproachJump) return std::nullopt;

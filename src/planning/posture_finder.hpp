@@ -37,8 +37,8 @@ struct PostureLimits {
   double wall = 0.03;
 };
 
-/// Hand orientations that are worth trying: both flips, for a knob several rolls.
-[[nodiscard]] std::vector<Matrix3d> hand_orientations(const HandleBelief& belief);
+/// Hand orientations that are worth trying: both flips, for a knob several rolls, for a push several turns to the hinge.
+[[nodiscard]] std::vector<Matrix3d> hand_orientations(const HandleBelief& belief, const PlannerConfig& config);
 
 /// The hand that holds the handle with a given orientation.
 [[nodiscard]] Pose hand_at(const HandleBelief& belief, const Matrix3d& R);

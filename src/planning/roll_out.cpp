@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "ajar/core/so3.hpp"
+#include "ajar/planning/passage.hpp"
 
 namespace ajar {
 
@@ -12,6 +13,7 @@ namespace {
 // Indices of the believed obstacles, as the loop places them.
 constexpr int kWall = 0;
 constexpr int kLeaf = 1;
+constexpr int kHingeWall = 2;
 
 // Values above this are all good: the damping of the controller starts at 0.08.
 constexpr double kBestSigma = 0.12;
@@ -116,7 +118,7 @@ void RollOut::place_leaf(const HandleBelief& belief, const MechanismHypothesis& 
   leaf.half_extents = Vector3d(0.25, 0.01, 0.10);
   leaf.pose.translation() = foot + 0.01 * R.col(1);
   const double kappa = hypothesis.curvature.norm();
-  if (arc > kKindArc && kappa > 0.0) {
+  if ((arc > kKindArc || belief.passage) && kappa > 0.0) {
     const bool upright = std::abs(hypothesis.curvature.z()) > 0.7 * kappa;
     const Vector3d along = upright ? R.col(0) : R.col(2);
     const Vector3d centre = belief.position + hypothesis.curvature.cross(hypothesis.direction) / (kappa * kappa);
@@ -137,10 +139,23 @@ void RollOut::note_clearances(RollOutResult& result) const noexcept {
   result.base = std::min(result.base, clearances_.smallest[2]);
 }
 
+// A closed wall behind the handle; or the two sides of a doorway, with the leaf in it.
+void RollOut::place_walls(const HandleBelief& belief) {
+  if (!belief.passage) {
+    clearance_.set_obstacle(kWall, believed_wall(belief), true);
+    clearance_.clear_obstacle(kLeaf);
+    clearance_.clear_obstacle(kHingeWall);
+    return;
+  }
+  const std::array<Box, 2> walls = passage_walls(*belief.passage);
+  clearance_.set_obstacle(kWall, walls[0], false);
+  clearance_.set_obstacle(kHingeWall, walls[1], false);
+  place_leaf(belief, make_hypotheses(belief, config_).front(), HypothesisPoint{}, 0.0);
+}
+
 RollOutResult RollOut::look(const HandleBelief& belief, const BasePose& base, const JointVector& q) {
   RollOutResult result;
-  clearance_.set_obstacle(kWall, believed_wall(belief), true);
-  clearance_.clear_obstacle(kLeaf);
+  place_walls(belief);
   model_.compute(base, q, kinematics_);
   clearance_.compute(model_, base, clearances_);
   note_clearances(result);
@@ -181,7 +196,7 @@ Vector6d RollOut::pose_error(const MechanismHypothesis& hypothesis, const Motion
 }
 
 RollOut::Motion RollOut::begin(const HandleBelief& belief, const BasePose& base, const JointVector& q) {
-  clearance_.set_obstacle(kWall, believed_wall(belief), true);
+  place_walls(belief);
   model_.compute(base, q, kinematics_);
   Motion motion;
   motion.base = base;
@@ -213,12 +228,13 @@ RollOutResult RollOut::run(const HandleBelief& belief, const MechanismHypothesis
   result.fraction = 1.0;  // while it runs: nothing lost yet
   Motion motion = begin(belief, base, q);
   BaseLaw law(base_law_);
-  law.reset(base, motion.p0);
+  law.reset(base, motion.p0, belief.passage ? std::optional(passage_line(*belief.passage)) : std::nullopt);
   controller_.reset();
   WbcSolution solution;
   WbcProblem problem;
   problem.measured = InputVector::Zero(model_.inputs());
   problem.leaf_obstacle = kLeaf;
+  problem.keep_heading = belief.passage.has_value();
   problem.clearance = &clearances_;
   problem.kinematics = &kinematics_;
   double standing = 0.0;

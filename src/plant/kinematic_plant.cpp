@@ -162,6 +162,8 @@ RobotState KinematicPlant::measure() noexcept {
   out.gripper_opening = gripper_.opening();
   out.handle = see_handle(mechanism_.handle, leaf_motion(mechanism_, state_.q), to_pose(base_), config_.perception,
                           disturbances_, reference_.gripper_closed);
+  out.handle.doorway = see_doorway(mechanism_.doorway, handle_motion(mechanism_, state_.q).position, to_pose(base_),
+                                   config_.perception, disturbances_);
   return out;
 }
 

@@ -124,6 +124,17 @@ HandleSight see_handle(const Handle& handle, const Pose& moved, const Pose& X_WB
   return sight;
 }
 
+std::optional<Doorway> see_doorway(const std::optional<Doorway>& doorway, const Vector3d& handle, const Pose& X_WB,
+                                   const PerceptionConfig& config, const Disturbances& disturbances) noexcept {
+  if (!doorway) return std::nullopt;
+  const Pose X_BW = X_WB.inverse(Eigen::Isometry);
+  const Matrix3d misread = Eigen::AngleAxisd(config.normal_error, Vector3d::UnitZ()).toRotationMatrix();
+  const auto seen = [&](const Vector3d& edge) -> Vector3d {
+    return X_BW * (handle + misread * (edge - handle) + disturbances.sight_error);
+  };
+  return Doorway{seen(doorway->left), seen(doorway->right)};
+}
+
 double grip_thickness(const Handle& handle, double stroke) noexcept {
   const bool graspable = handle.kind == HandleKind::Bar || handle.kind == HandleKind::Knob;
   return graspable && handle.thickness > 0.0 && handle.thickness < stroke ? handle.thickness : 0.0;

@@ -127,6 +127,9 @@ void bind(Section s, PlannerConfig& c) {
   s.number("sliding_travel_m", c.sliding_travel, kPositive, "m", "the same sideways");
   s.number("flap_radius_m", c.flap_radius, kPositive, "m", "radius tried for a hinge below or above");
   s.numbers("distances_m", c.distances, {0.1, 3.0}, {"m"}, "base - handle, tried");
+  s.numbers("passage_distances_m", c.passage_distances, {0.1, 3.0}, {"m"}, "the same along a doorway to push through");
+  s.numbers("passage_yaws_deg", c.passage_yaws, {-180.0, 180.0}, {"°", kDegree},
+            "hand turned towards the hinge before a push, tried");
   s.numbers("azimuths_deg", c.azimuths, {-90.0, 90.0}, {"°", kDegree},
             "of the base round the handle from its normal, tried");
   s.integer("headings", c.headings, {1.0, 360.0}, "base headings tried per place");

@@ -44,11 +44,12 @@ BaseLaw::BaseLaw(const BaseLawConfig& config) : config_(config) {
   kind_ = config.kind == "corotating" ? Kind::Corotating : config.kind == "distance" ? Kind::Distance : Kind::Line;
 }
 
-void BaseLaw::reset(const BasePose& base, const Vector3d& hand) noexcept {
+void BaseLaw::reset(const BasePose& base, const Vector3d& hand, const std::optional<BaseLine>& line) noexcept {
+  line_ = line;
   offset_ = Vector3d(base.x - hand.x(), base.y - hand.y(), 0.0);
   turned_ = 0.0;
   start_yaw_ = base.yaw;
-  last_heading_ = base.yaw;
+  last_heading_ = line ? std::atan2(line->direction.y(), line->direction.x()) : base.yaw;
   drive_sense_ = 0;
 }
 
@@ -75,18 +76,23 @@ void BaseLaw::choose_sense(double heading, double yaw, double confidence) noexce
   }
 }
 
-// p_ref = p_hand + Rz(φ_b) o turns with the share g of the mechanism; the base tracks it as a unicycle does.
+// p_ref = c + Π (p_hand + Rz(φ_b) o - c) turns with the share g of the mechanism; the base tracks it as a unicycle does.
+// In the open Π = I; on a line Π = a aᵀ and g = 0.
 BaseLawOutput BaseLaw::corotating(const BaseLawInput& input) noexcept {
   const double k_z = input.curvature.z();
-  const double share = std::clamp(config_.full_curvature / std::max(std::abs(k_z), 1e-6), config_.least_share, 1.0);
+  const double follow = std::clamp(config_.full_curvature / std::max(std::abs(k_z), 1e-6), config_.least_share, 1.0);
+  const double share = line_ ? 0.0 : follow;
+  const auto allowed = [&](const Vector3d& v) -> Vector3d {
+    return line_ ? Vector3d(line_->direction * line_->direction.dot(v)) : v;
+  };
   if (std::abs(input.measured_speed) > kStandingSpeed) {
     turned_ += share * k_z * input.measured_speed * input.dt;
   }
   const Vector3d offset = turn_about_z(turned_, offset_);
   const Vector3d turning = share * k_z * Vector3d::UnitZ();
   // Velocity of the reference per metre of handle travel, and its change.
-  const Vector3d path = input.direction + turning.cross(offset);
-  const Vector3d path_change = input.curvature.cross(input.direction) + turning.cross(turning.cross(offset));
+  const Vector3d path = allowed(input.direction + turning.cross(offset));
+  const Vector3d path_change = allowed(input.curvature.cross(input.direction) + turning.cross(turning.cross(offset)));
   const double rate = path.head<2>().norm();
   double turn_per_metre = share * k_z;
   if (rate > kLeastHorizontalShare) {
@@ -100,8 +106,10 @@ BaseLawOutput BaseLaw::corotating(const BaseLawInput& input) noexcept {
   const double heading_error = wrap_angle(last_heading_ + (sense < 0.0 ? std::numbers::pi : 0.0) - input.base.yaw);
   const double c = std::cos(input.base.yaw);
   const double s = std::sin(input.base.yaw);
-  const double dx = input.hand.x() + offset.x() - input.base.x;
-  const double dy = input.hand.y() + offset.y() - input.base.y;
+  const Vector3d origin = line_ ? line_->point : Vector3d(Vector3d::Zero());
+  const Vector3d reference = origin + allowed(input.hand + offset - origin);
+  const double dx = reference.x() - input.base.x;
+  const double dy = reference.y() - input.base.y;
   const double along = c * dx + s * dy;
   const double across = -s * dx + c * dy;
   const double v_ref = sense * input.wanted_speed * rate;

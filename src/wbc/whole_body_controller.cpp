@@ -24,6 +24,8 @@ constexpr double kSelfSeparation = 0.05;
 constexpr double kWheelRoom = 1e-9;
 // Reserve of distance rows: the approach speed that the stop distance of the arm (3 cm) takes away per second.
 constexpr double kClearanceScale = 0.1;
+// On a straight way the turning weight grows by this: clearances are then kept by slowing down and not by turning away.
+constexpr double kHeadingWeight = 100.0;
 // Keeps the QP strictly convex where a column vanishes.
 constexpr double kRegularisation = 1e-9;
 
@@ -145,8 +147,9 @@ void WholeBodyController::Impl::build_cost(const WbcProblem& problem, double sig
       qp.g[i] -= weight * std::clamp(problem.rates[i], limits.speed_lower[i], limits.speed_upper[i]);
     }
   }
-  qp.H(n, n) += config.base_turn_weight;
-  qp.g[n] -= config.base_turn_weight * problem.base.w;
+  const double turn_weight = config.base_turn_weight * (problem.keep_heading ? kHeadingWeight : 1.0);
+  qp.H(n, n) += turn_weight;
+  qp.g[n] -= turn_weight * problem.base.w;
   qp.H(n + 1, n + 1) += config.base_speed_weight;
   qp.g[n + 1] -= config.base_speed_weight * problem.base.v;
   qp.H(kSpeedFactor, kSpeedFactor) += config.speed_weight;

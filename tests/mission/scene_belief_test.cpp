@@ -5,8 +5,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 
 #include "ajar/core/so3.hpp"
+#include "ajar/planning/passage.hpp"
 
 namespace ajar {
 namespace {
@@ -51,6 +53,41 @@ TEST(SceneBelief, TheFitCorrectsAWrongNormal) {
   estimate.direction = k_axis.cross(arm).normalized();
   for (int i = 0; i < 600; ++i) scene.update(estimate, estimate.point, turned * k_axis);
   EXPECT_LT(std::acos(scene.normal().dot(Vector3d(0.0, -1.0, 0.0))), 0.005);
+}
+
+// A leaf hinged on the right, pushed along +y: the doorway is free for the hand, its walls and the leaf are not.
+TEST(SceneBelief, ADoorwayHasTwoWallsAndALeafThatTurnsAboutItsFarFace) {
+  HandleBelief belief;
+  belief.position = Vector3d(0.0, -0.06, 1.0);
+  belief.doorway = Doorway{{-0.09, 0.0, 0.0}, {0.83, 0.0, 0.0}};
+  belief.passage = make_passage(belief, HingeSide::Right);
+  ASSERT_TRUE(belief.passage.has_value());
+  const RobotModel model = load_robot("heron");
+  ClearanceChecker checker(model, {});
+  SceneBelief scene;
+  scene.reset(belief);
+  scene.place(checker);
+  Kinematics kinematics;
+  ClearanceResult result;
+  // Half a metre before the wall, rear (0.411 m behind the axle) first, in the middle: 0.089 m to both walls.
+  RobotModel robot = model;
+  const BasePose before{0.37, -0.5, -0.5 * std::numbers::pi};
+  robot.compute(before, model.home(), kinematics);
+  checker.compute(robot, before, result);
+  EXPECT_NEAR(result.smallest[static_cast<std::size_t>(ClearanceKind::BaseWorld)], 0.089, 0.01);
+  // In the doorway with the leaf at a right angle: half of 0.92 m less 0.584 m beside the strike wall.
+  MechanismEstimate open;
+  open.type = MechanismType::Hinge;
+  open.arc = 1.2;
+  open.curvature = -Vector3d::UnitZ() / 0.8;
+  open.direction = Vector3d::UnitX();
+  open.point = Vector3d(0.7, 0.85, 1.0);
+  scene.update(open, open.point, Vector3d(0.0, 0.0, -0.5 * std::numbers::pi));
+  scene.place(checker);
+  const BasePose inside{0.30, 0.1, -0.5 * std::numbers::pi};
+  robot.compute(inside, model.home(), kinematics);
+  checker.compute(robot, inside, result);
+  EXPECT_NEAR(result.smallest[static_cast<std::size_t>(ClearanceKind::BaseWorld)], 0.30 + 0.09 - 0.292, 0.01);
 }
 
 }  // namespace

@@ -145,6 +145,25 @@ TEST(HandleSight, TurnsWithTheErrorAboutTheVertical) {
   EXPECT_EQ(see_handle(handle, Pose::Identity(), X_WB, config, Disturbances(), false).thickness, 0.0);
 }
 
+TEST(HandleSight, TheFrameIsMisreadAsOneWithTheHandle) {
+  const Vector3d handle(0.3, -0.06, 1.0);
+  const Doorway doorway{{-0.4, -0.1, 0.0}, {0.5, -0.1, 0.0}};
+  PerceptionConfig config;
+  config.normal_error = 0.1;
+  Disturbances wrong;
+  wrong.sight_error = Vector3d(0.01, -0.02, 0.0);
+  const Pose X_WB = to_pose({0.2, -1.0, 0.7});
+  const std::optional<Doorway> seen = see_doorway(doorway, handle, X_WB, config, wrong);
+  ASSERT_TRUE(seen.has_value());
+  EXPECT_NEAR((seen->right - seen->left).norm(), 0.9, 1e-12);
+  // Distances to the seen handle are the true ones; the direction along the wall is turned by the error.
+  const Vector3d seen_handle = X_WB.inverse() * (handle + wrong.sight_error);
+  EXPECT_NEAR((seen->left - seen_handle).norm(), (doorway.left - handle).norm(), 1e-12);
+  const Vector3d along = X_WB.linear() * (seen->right - seen->left);
+  EXPECT_NEAR(std::atan2(along.y(), along.x()), 0.1, 1e-12);
+  EXPECT_FALSE(see_doorway(std::nullopt, handle, X_WB, config, wrong).has_value());
+}
+
 TEST(Gripper, StopsOnWhatIsBetweenTheFingers) {
   Gripper gripper(0.08);
   for (int i = 0; i < 500; ++i) gripper.step(true, 0.02, 0.001);

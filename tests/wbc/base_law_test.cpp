@@ -146,6 +146,36 @@ TEST(CorotatingBase, GivingBackKeepsTheDrivingSense) {
   EXPECT_NEAR(back.heading_error, 0.0, 1e-9);
 }
 
+TEST(CorotatingBase, OnALineItFollowsTheHandOnlyAlongTheLine) {
+  // A door of r = 0.8 m pushed open along +y; the base stands 2 cm and 2 degrees beside the line x = 0.4, backwards.
+  const double dt = 0.002;
+  const double radius = 0.8;
+  const double speed = 0.1;
+  const Vector3d centre(radius, 0.0, 1.0);
+  BasePose base{0.42, -0.9, -0.5 * std::numbers::pi + 2.0 * kDegree};
+  BaseLaw law({});
+  const Vector3d start(0.0, 0.0, 1.0);
+  law.reset(base, start, BaseLine{Vector3d(0.4, 5.0, 0.0), Vector3d::UnitY()});
+  for (double angle = 0.0; angle < 80.0 * kDegree; angle += speed * dt / radius) {
+    const Vector3d arm = radius * Vector3d(-std::cos(angle), std::sin(angle), 0.0);
+    BaseLawInput input;
+    input.dt = dt;
+    input.base = base;
+    input.hand = centre + arm;
+    input.direction = -Vector3d::UnitZ().cross(arm) / radius;
+    input.curvature = -Vector3d::UnitZ() / radius;
+    input.wanted_speed = input.measured_speed = speed;
+    input.confidence = 1.0;
+    const BaseLawOutput out = law.step(input);
+    base = drive(base, out.twist, dt);
+    EXPECT_NEAR(base.y, -0.9 + radius * std::sin(angle), 0.01);
+    EXPECT_LT(std::abs(base.x - 0.4), 0.025);
+  }
+  // The law's lateral error decays over 1/sqrt(k_y) = 0.45 m, its heading with it.
+  EXPECT_LT(std::abs(base.x - 0.4), 0.01);
+  EXPECT_LT(std::abs(wrap_angle(base.yaw + 0.5 * std::numbers::pi)), 1.5 * kDegree);
+}
+
 TEST(DistanceBase, ConvergesToTheWantedDistance) {
   BaseLawConfig config;
   config.kind = "distance";

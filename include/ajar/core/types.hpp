@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <optional>
 
 namespace ajar {
 
@@ -48,6 +49,12 @@ struct Box {
   Vector3d half_extents = Vector3d::Constant(0.5);  ///< [m]
 };
 
+/// The opening in a wall that a leaf closes: its upright edges on the robot's side, left and right as the robot sees them.
+struct Doorway {
+  Vector3d left = Vector3d::Zero();   ///< In the frame that the owner names; its height means nothing [m]
+  Vector3d right = Vector3d::Zero();  ///< [m]
+};
+
 /// What the robot's camera says of the handle, in the base frame at the time of the sight.
 struct HandleSight {
   bool visible = false;                  ///< False: nothing seen, the rest is meaningless
@@ -56,6 +63,7 @@ struct HandleSight {
   Vector3d bar = Vector3d::UnitZ();     ///< Direction of the bar, unit, base frame; zero for a knob [-]
   double standoff = 0.06;               ///< Distance from the leaf's face to the grip's centre [m]
   double thickness = 0.02;              ///< Thickness of what the fingers close on; 0 = nothing to grip [m]
+  std::optional<Doorway> doorway;       ///< Of the frame round the leaf, base frame; none where there is no frame [m]
 };
 
 /// What the robot measures in one tick. Nothing else of the world reaches mission, controller or estimator.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -59,10 +60,11 @@ struct Mechanism {
   Closer closer;
   Seal seal;
   Handle handle;
-  bool latched = false;    ///< Has a latch; treated as free, the result says so
-  std::string latch;       ///< Its name
-  std::vector<Box> leaf;   ///< Moving boxes at the closed mechanism, world
-  std::vector<Box> world;  ///< Walls, frame, furniture, world
+  bool latched = false;            ///< Has a latch; treated as free, the result says so
+  std::string latch;               ///< Its name
+  std::vector<Box> leaf;           ///< Moving boxes at the closed mechanism, world
+  std::vector<Box> world;          ///< Walls, frame, furniture, world
+  std::optional<Doorway> doorway;  ///< Edges of the frame on the side of the handle, world; none if there is no frame
 
   /// @throws ConfigError  naming the field, its value and what is allowed
   void validate() const;

@@ -18,7 +18,7 @@
 namespace ajar {
 
 /// Where a mission stands.
-enum class Phase { Choose, Approach, Reach, Zero, Grasp, Probe, Open, Release, Retreat, Done, Stopped };
+enum class Phase { Choose, Approach, Reach, Zero, Grasp, Probe, Open, Regrasp, Release, Retreat, Done, Stopped };
 
 /// Why a mission ended, or that it has not.
 enum class EndReason {
@@ -32,7 +32,7 @@ enum class EndReason {
   GraspMissed,
   GraspLost,
   Locked,          ///< Nothing moves at the force limit
-  OpensAway,       ///< Gives away from the robot: pushing through a doorway is not attempted
+  OpensAway,       ///< Gives away from the robot, and no doorway is seen to push it through
   NeedsMoreForce,  ///< Moved, then needed more than the limit
   Stalled,         ///< Standstill without force
   ClearanceStop,   ///< A clearance limit stops it

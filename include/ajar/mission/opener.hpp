@@ -65,6 +65,8 @@ class Opener {
   Vector3d bar_in_hand_ = Vector3d::Zero();
   Vector3d turned_ = Vector3d::Zero();
   double base_lag_ = 0.0;
+  bool straight_ = false;  // the base keeps to a line
+  double opened_ = 0.0;    // how far the leaf stood open when it was taken hold of
   double start_force_ = 0.0;
 };
 

@@ -18,13 +18,15 @@ enum class Event {
   Missed,     ///< The fingers closed on nothing
   Found,      ///< Probing found what gives
   Blocked,    ///< Nothing moves: probe
+  Rechoose,   ///< It gives another way than the grasp was chosen for: let go and choose again
   Ended,      ///< Goal, stop or a reason to give up: let go
   Clear,      ///< The hand has left the handle
+  Holding,    ///< What was opened would shut onto the robot: it is kept in the hand
   Away,       ///< The base has left the mechanism
   GaveUp,     ///< Ends before the handle is held
   Fault       ///< Stop now
 };
-inline constexpr int kEventCount = 15;
+inline constexpr int kEventCount = 17;
 
 /// One row of the mission's table.
 struct Transition {
@@ -43,7 +45,9 @@ inline constexpr std::array kTransitions = {
     Transition{Phase::Grasp, Event::Missed, Phase::Reach},      Transition{Phase::Grasp, Event::GaveUp, Phase::Release},
     Transition{Phase::Probe, Event::Found, Phase::Open},        Transition{Phase::Probe, Event::Ended, Phase::Release},
     Transition{Phase::Open, Event::Blocked, Phase::Probe},      Transition{Phase::Open, Event::Ended, Phase::Release},
-    Transition{Phase::Release, Event::Clear, Phase::Retreat},   Transition{Phase::Retreat, Event::Away, Phase::Done},
+    Transition{Phase::Open, Event::Rechoose, Phase::Regrasp},   Transition{Phase::Regrasp, Event::Clear, Phase::Choose},
+    Transition{Phase::Regrasp, Event::GaveUp, Phase::Stopped},  Transition{Phase::Release, Event::Clear, Phase::Retreat},
+    Transition{Phase::Retreat, Event::Away, Phase::Done},
 };
 
 /// The phase that follows. No exception.

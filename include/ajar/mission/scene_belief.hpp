@@ -9,6 +9,7 @@ namespace ajar {
 /// Indices of the believed obstacles in a ClearanceChecker.
 inline constexpr int kWallObstacle = 0;
 inline constexpr int kLeafObstacle = 1;
+inline constexpr int kHingeWallObstacle = 2;  ///< Of a doorway; kWallObstacle is then its other side
 
 /// Where wall and leaf are, as far as sight and touch tell. (docs/equations.md#scene-belief)
 class SceneBelief {
@@ -32,6 +33,8 @@ class SceneBelief {
   HandleBelief belief_;
   Vector3d normal_ = -Vector3d::UnitY();
   Box wall_;
+  Box hinge_wall_;
+  Vector3d axis_ = Vector3d::Zero();  // of the leaf in a doorway, until its own is felt
   Box leaf_;
 };
 

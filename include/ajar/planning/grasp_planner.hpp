@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,6 +13,15 @@
 
 namespace ajar {
 
+/// A doorway whose leaf was felt to open away from the robot, as it is seen now; odometry frame.
+/// (docs/equations.md#passage)
+struct Passage {
+  Vector3d inward = Vector3d::UnitY();  ///< Through the doorway, unit, horizontal
+  Vector3d strike = Vector3d::Zero();   ///< Edge of the frame where the leaf shuts [m]
+  Vector3d hinge = Vector3d::Zero();    ///< Edge of the frame where it is hinged [m]
+  double opened = 0.0;                  ///< How far the leaf stands open already [rad]
+};
+
 /// What is believed of the handle when a grasp is chosen, odometry frame.
 struct HandleBelief {
   Vector3d position = Vector3d::Zero();  ///< Grip centre [m]
@@ -19,6 +29,8 @@ struct HandleBelief {
   Vector3d bar = Vector3d::UnitZ();      ///< Bar direction, unit; zero for a knob
   double standoff = 0.06;                ///< Leaf face to grip centre [m]
   double thickness = 0.02;               ///< Of what the fingers close on [m]
+  std::optional<Doorway> doorway;        ///< Edges of the frame round the leaf, if one is seen [m]
+  std::optional<Passage> passage;        ///< Set once the leaf was felt to open away: to be pushed
 };
 
 struct PlannerConfig {
@@ -38,7 +50,9 @@ struct PlannerConfig {
   double least_sigma = 0.09;                        ///< Of a candidate at the grasp [-]
   double own_clearance = 0.025;                     ///< Of a candidate at the grasp [m]
   double wall_clearance = 0.07;                     ///< Of the base where it stands, to the believed wall [m]
-  double approach_distance = 0.10;                  ///< The hand waits this far in front of the handle [m]
+  std::vector<double> passage_distances{0.80, 0.88, 0.96};  ///< Base - handle along a doorway to push through [m]
+  std::vector<double> passage_yaws{0.5, 0.65, 0.8};         ///< Hand turned towards the hinge at the start of a push [rad]
+  double approach_distance = 0.10;                          ///< The hand waits this far in front of the handle [m]
   bool operator==(const PlannerConfig&) const = default;
   /// @throws ConfigError
   void validate() const;

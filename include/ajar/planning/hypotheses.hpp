@@ -27,7 +27,7 @@ struct HypothesisPoint {
 [[nodiscard]] HypothesisPoint point_at(const MechanismHypothesis& hypothesis, double arc) noexcept;
 
 /// Everything that a handle like this may belong to: hinges on both sides, a drawer, and by the bar's direction sliding
-/// doors or a flap; hardest first. (docs/equations.md#choice)
+/// doors or a flap; hardest first. With a passage only the leaf that is to be pushed. (docs/equations.md#choice)
 [[nodiscard]] std::vector<MechanismHypothesis> make_hypotheses(const HandleBelief& belief, const PlannerConfig& config);
 
 }  // namespace ajar

@@ -46,6 +46,7 @@ class RollOut {
                     WbcProblem& problem) const;
   void place_leaf(const HandleBelief& belief, const MechanismHypothesis& hypothesis, const HypothesisPoint& point,
                   double arc);
+  void place_walls(const HandleBelief& belief);
   void note_clearances(RollOutResult& result) const noexcept;
   [[nodiscard]] BaseTwist base_twist(BaseLaw& law, const MechanismHypothesis& hypothesis, Motion& motion, double dt) const;
   [[nodiscard]] Vector6d pose_error(const MechanismHypothesis& hypothesis, const Motion& motion,

@@ -129,6 +129,12 @@ class WheelOdometry {
                                      const PerceptionConfig& config, const Disturbances& disturbances,
                                      bool gripper_closed) noexcept;
 
+/// What the camera sees of the frame round a leaf: wrong in the same way as the handle, shifted with it and turned about it.
+/// @param handle  Grip centre where it is now, world [m]
+[[nodiscard]] std::optional<Doorway> see_doorway(const std::optional<Doorway>& doorway, const Vector3d& handle,
+                                                 const Pose& X_WB, const PerceptionConfig& config,
+                                                 const Disturbances& disturbances) noexcept;
+
 /// Thickness that the fingers find at a handle: zero for a recess, for no handle and for more than the gripper's stroke. [m]
 [[nodiscard]] double grip_thickness(const Handle& handle, double stroke) noexcept;
 

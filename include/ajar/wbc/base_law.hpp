@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "ajar/core/types.hpp"
@@ -20,6 +21,12 @@ struct BaseLawConfig {
   bool operator==(const BaseLawConfig&) const = default;
   /// @throws ConfigError
   void validate() const;
+};
+
+/// A straight way that the base keeps to, e.g. the middle of a doorway.
+struct BaseLine {
+  Vector3d point = Vector3d::Zero();       ///< On the line, odometry frame [m]
+  Vector3d direction = Vector3d::UnitX();  ///< Unit, horizontal
 };
 
 struct BaseLawInput {
@@ -45,7 +52,8 @@ class BaseLaw {
  public:
   /// @throws ConfigError
   explicit BaseLaw(const BaseLawConfig& config);
-  void reset(const BasePose& base, const Vector3d& hand) noexcept;
+  /// @param line  If given, the base keeps to it and follows the hand only along it ("corotating")
+  void reset(const BasePose& base, const Vector3d& hand, const std::optional<BaseLine>& line = std::nullopt) noexcept;
   /// No allocation, no exception, bounded time; output finite.
   [[nodiscard]] BaseLawOutput step(const BaseLawInput& input) noexcept;
 
@@ -58,6 +66,7 @@ class BaseLaw {
 
   BaseLawConfig config_;
   Kind kind_ = Kind::Corotating;
+  std::optional<BaseLine> line_;
   Vector3d offset_ = Vector3d::Zero();
   double turned_ = 0.0;
   double start_yaw_ = 0.0;

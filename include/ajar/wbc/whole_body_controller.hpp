@@ -46,6 +46,7 @@ struct WbcProblem {
   BaseTwist base;                              ///< Wanted base motion
   JointVector rates;                           ///< Joint rates wanted beside the hand, e.g. towards a posture; empty = 0
   bool base_fixed = false;                     ///< Base must stand
+  bool keep_heading = false;                   ///< Base turns as wanted, whatever is near: it keeps to a straight way
   const ClearanceResult* clearance = nullptr;  ///< nullptr = no rows
   ClearanceConfig clearance_config;            ///< Distances and rates that turn the distances into rows
   Vector3d leaf_velocity_at_hand = Vector3d::Zero();  ///< Of the believed leaf at the hand for s = 1 [m/s]

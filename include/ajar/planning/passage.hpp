@@ -1,0 +1,46 @@
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+
+#include "ajar/planning/grasp_planner.hpp"
+
+namespace ajar {
+
+/// Which side a felt leaf is hinged on, as the robot sees it.
+enum class HingeSide { Left, Right };
+
+/// The doorway of a leaf that opens away, from what is seen now and the side that was felt. (docs/equations.md#passage)
+/// @return nothing without a seen doorway or with one that has no width
+[[nodiscard]] std::optional<Passage> make_passage(const HandleBelief& belief, HingeSide side);
+
+/// Point on the believed hinge axis at the height of the grip: in the plane of the leaf's far face, beside the frame. [m]
+[[nodiscard]] Vector3d passage_axis(const HandleBelief& belief, const Passage& passage);
+
+/// Curvature vector of the grip's way about that axis into the doorway, horizontal arm. [1/m]
+[[nodiscard]] Vector3d passage_curvature(const HandleBelief& belief, const Passage& passage);
+
+/// Direction in which the grip starts to move, unit.
+[[nodiscard]] Vector3d passage_direction(const HandleBelief& belief, const Passage& passage);
+
+/// Way of the base: straight, in the middle of what the open leaf leaves free.
+[[nodiscard]] BaseLine passage_line(const Passage& passage);
+
+/// Width that the leaf leaves free when it stands open at a right angle. [m]
+[[nodiscard]] double passage_width(const Passage& passage);
+
+/// Width of what the base carries, about its own forward axis. [m]
+[[nodiscard]] double base_width(const RobotModel& model);
+
+/// In words how the robot fits through: "base 0.58 m wide, opening 0.62 m: 0.02 m each side".
+[[nodiscard]] std::string passage_room(const Passage& passage, const RobotModel& model);
+
+/// Walls on both sides of the doorway: where the leaf shuts, where it is hinged.
+[[nodiscard]] std::array<Box, 2> passage_walls(const Passage& passage);
+
+/// Turns a hand that meets the leaf along its normal towards the hinge, so that it does not meet the frame when the leaf
+/// takes it along. @param yaw  [rad]
+[[nodiscard]] Matrix3d turned_to_hinge(const Matrix3d& R, const Passage& passage, double yaw);
+
+}  // namespace ajar

@@ -1,0 +1,117 @@
+#include "ajar/planning/passage.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+namespace ajar {
+
+namespace {
+
+// Leaf of a usual door; its pins stand on the face towards which it opens [m].
+constexpr double kLeafThickness = 0.04;
+// Pins stand beside the frame by a few millimetres (lists) to 3 cm (rebated) [m].
+constexpr double kAxisFromFrame = 0.015;
+// What frame gap and leaf take from the opening when the leaf stands open [m].
+constexpr double kOpenLeaf = kLeafThickness + 0.03;
+// Nothing narrower is a doorway, no leaf is wider [m].
+constexpr double kLeastWidth = 0.3;
+constexpr double kLargestRadius = 2.0;
+// Walls: farther out than a robot reaches, as deep as an outer wall of brick [m].
+constexpr double kWallHalfWidth = 1.5;
+constexpr double kWallDepth = 0.2;
+constexpr double kWallHalfHeight = 1.5;
+
+Vector3d flat(const Vector3d& v) { return {v.x(), v.y(), 0.0}; }
+
+// Along the wall from where the leaf shuts to its hinge, unit.
+Vector3d across(const Passage& passage) { return flat(passage.hinge - passage.strike).normalized(); }
+
+Box wall(const Passage& passage, const Vector3d& edge, const Vector3d& outward) {
+  Box box;
+  box.pose.linear().col(1) = passage.inward;
+  box.pose.linear().col(2) = Vector3d::UnitZ();
+  box.pose.linear().col(0) = passage.inward.cross(Vector3d::UnitZ());
+  box.pose.translation() = flat(edge) + kWallHalfWidth * outward + 0.5 * kWallDepth * passage.inward;
+  box.pose.translation().z() = kWallHalfHeight;
+  box.half_extents = Vector3d(kWallHalfWidth, 0.5 * kWallDepth, kWallHalfHeight);
+  return box;
+}
+
+}  // namespace
+
+std::optional<Passage> make_passage(const HandleBelief& belief, HingeSide side) {
+  if (!belief.doorway || !belief.normal.allFinite()) return std::nullopt;
+  const Vector3d along = flat(belief.doorway->right - belief.doorway->left);
+  if (!(along.norm() > kLeastWidth) || !along.allFinite()) return std::nullopt;
+  Passage passage;
+  passage.inward = Vector3d::UnitZ().cross(along).normalized();
+  passage.strike = side == HingeSide::Right ? belief.doorway->left : belief.doorway->right;
+  passage.hinge = side == HingeSide::Right ? belief.doorway->right : belief.doorway->left;
+  const Vector3d into = -flat(belief.normal);
+  passage.opened = std::atan2(into.cross(passage.inward).norm(), into.dot(passage.inward));
+  return passage;
+}
+
+// The axis lies a leaf's thickness behind the face, where the line along the leaf meets the frame.
+Vector3d passage_axis(const HandleBelief& belief, const Passage& passage) {
+  const Vector3d n = flat(belief.normal).normalized();
+  const Vector3d e = across(passage);
+  Vector3d t = Vector3d::UnitZ().cross(n);
+  if (t.dot(e) < 0.0) t = -t;
+  const Vector3d foot = belief.position - (belief.standoff + kLeafThickness) * n;
+  const double slope = std::max(0.2, t.dot(e));
+  const double radius = (e.dot(flat(passage.hinge - foot)) - kAxisFromFrame) / slope;
+  return foot + std::clamp(radius, 0.1, kLargestRadius) * t;
+}
+
+Vector3d passage_curvature(const HandleBelief& belief, const Passage& passage) {
+  const Vector3d arm = flat(belief.position - passage_axis(belief, passage));
+  const Vector3d k = Vector3d::UnitZ() / arm.norm();
+  return k.cross(arm).dot(passage.inward) < 0.0 ? Vector3d(-k) : k;
+}
+
+Vector3d passage_direction(const HandleBelief& belief, const Passage& passage) {
+  const Vector3d arm = flat(belief.position - passage_axis(belief, passage));
+  return passage_curvature(belief, passage).cross(arm).normalized();
+}
+
+double passage_width(const Passage& passage) { return flat(passage.hinge - passage.strike).norm() - kOpenLeaf; }
+
+double base_width(const RobotModel& model) {
+  double half = 0.0;
+  for (const CollisionShape& shape : model.shapes()) {
+    if (shape.joint >= 0) continue;
+    const Matrix3d R = shape.pose_in_joint.linear();
+    const bool box = shape.kind == CollisionShape::Kind::Box;
+    const double reach =
+        box ? (R.cwiseAbs() * shape.half_extents).y() : std::abs(R(1, 2)) * shape.half_length + shape.radius;
+    half = std::max(half, std::abs(shape.pose_in_joint.translation().y()) + reach);
+  }
+  return 2.0 * half;
+}
+
+std::string passage_room(const Passage& passage, const RobotModel& model) {
+  const double base = base_width(model);
+  const double opening = passage_width(passage);
+  std::array<char, 96> text{};
+  std::snprintf(text.data(), text.size(), "base %.2f m wide, opening %.2f m: %.2f m each side", base, opening,
+                0.5 * (opening - base));
+  return text.data();
+}
+
+BaseLine passage_line(const Passage& passage) {
+  return {flat(passage.strike) + 0.5 * passage_width(passage) * across(passage), passage.inward};
+}
+
+std::array<Box, 2> passage_walls(const Passage& passage) {
+  const Vector3d e = across(passage);
+  return {wall(passage, passage.strike, -e), wall(passage, passage.hinge, e)};
+}
+
+Matrix3d turned_to_hinge(const Matrix3d& R, const Passage& passage, double yaw) {
+  const double sense = passage.inward.cross(across(passage)).z() < 0.0 ? 1.0 : -1.0;
+  return Eigen::AngleAxisd(sense * yaw, Vector3d::UnitZ()).toRotationMatrix() * R;
+}
+
+}  // namespace ajar

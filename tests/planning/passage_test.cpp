@@ -1,0 +1,116 @@
+// Strategy: a door of known geometry, closed and ajar, hinged on either side and seen from any heading. Axis, walls and the
+// middle of the way must come out where plane geometry puts them; the hand must turn its back to the hinge.
+#include "ajar/planning/passage.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "ajar/core/so3.hpp"
+#include "ajar/planning/hypotheses.hpp"
+
+namespace ajar {
+namespace {
+
+// Leaf frame: x right, y into the wall. The axis stands 4 cm behind the leaf's face, 1.5 cm beside the frame.
+constexpr double kRadius = 0.8;
+constexpr double kAxisDepth = 0.04;
+constexpr double kStandoff = 0.06;
+
+struct Door {
+  double side;  // +1 hinged on the right
+  double yaw;
+  double angle;  // how far open
+};
+
+Vector3d axis_of(const Door& door) { return {door.side * kRadius, kAxisDepth, 1.0}; }
+
+HandleBelief belief_of(const Door& door) {
+  const Matrix3d open = exp_so3(Vector3d(0.0, 0.0, -door.side * door.angle));
+  const Matrix3d R = exp_so3(Vector3d(0.0, 0.0, door.yaw));
+  const Vector3d grip = axis_of(door) + open * (Vector3d(0.0, -kStandoff, 1.0) - axis_of(door));
+  const Vector3d strike(-0.09 * door.side, 0.0, 0.0);
+  const Vector3d hinge(door.side * (kRadius + 0.015), 0.0, 0.0);
+  HandleBelief belief;
+  belief.position = R * grip;
+  belief.normal = R * open * -Vector3d::UnitY();
+  belief.standoff = kStandoff;
+  belief.doorway = door.side > 0.0 ? Doorway{R * strike, R * hinge} : Doorway{R * hinge, R * strike};
+  return belief;
+}
+
+constexpr Door kDoors[] = {{1.0, 0.0, 0.0}, {-1.0, 0.0, 0.0}, {1.0, 2.0, 0.2}, {-1.0, -1.3, 0.15}, {1.0, 3.1, 0.0}};
+
+Passage passage_of(const Door& door) {
+  return *make_passage(belief_of(door), door.side > 0.0 ? HingeSide::Right : HingeSide::Left);
+}
+
+TEST(Passage, TheAxisIsFoundFromTheFrameAndTheLeafAsItStands) {
+  for (const Door& door : kDoors) {
+    const Matrix3d R = exp_so3(Vector3d(0.0, 0.0, door.yaw));
+    const Passage passage = passage_of(door);
+    EXPECT_NEAR(passage.opened, door.angle, 1e-12);
+    EXPECT_LT((passage.inward - R * Vector3d::UnitY()).norm(), 1e-12);
+    EXPECT_LT((passage_axis(belief_of(door), passage) - R * axis_of(door)).norm(), 1e-9);
+  }
+}
+
+TEST(Passage, ThePushedLeafTurnsAboutThatAxisIntoTheDoorway) {
+  for (const Door& door : kDoors) {
+    const Matrix3d R = exp_so3(Vector3d(0.0, 0.0, door.yaw));
+    HandleBelief belief = belief_of(door);
+    belief.passage = passage_of(door);
+    const std::vector<MechanismHypothesis> hypotheses = make_hypotheses(belief, {});
+    ASSERT_EQ(hypotheses.size(), 1U);
+    const MechanismHypothesis& h = hypotheses.front();
+    const Vector3d centre = belief.position + h.curvature.cross(h.direction) / h.curvature.squaredNorm();
+    EXPECT_LT((centre - R * axis_of(door)).norm(), 1e-9);
+    EXPECT_GT(h.direction.dot(belief.passage->inward), 0.9);
+    EXPECT_NEAR(h.travel * h.curvature.norm() + door.angle, PlannerConfig{}.hinge_angle, 1e-12);
+  }
+}
+
+TEST(Passage, TheWayRunsInTheMiddleOfWhatTheOpenLeafLeaves) {
+  for (const Door& door : kDoors) {
+    const Passage passage = passage_of(door);
+    const BaseLine line = passage_line(passage);
+    const Vector3d across = (passage.hinge - passage.strike).normalized();
+    const double to_strike = across.dot(line.point - passage.strike);
+    EXPECT_NEAR(passage_width(passage), kRadius + 0.105 - 0.07, 1e-12);
+    EXPECT_NEAR(to_strike, 0.5 * passage_width(passage), 1e-12);
+    EXPECT_LT((line.direction - passage.inward).norm(), 1e-12);
+    const std::array<Box, 2> walls = passage_walls(passage);
+    for (const Box& wall : walls) {
+      EXPECT_NEAR(wall.pose.linear().determinant(), 1.0, 1e-12);
+      EXPECT_NEAR(passage.inward.dot(wall.pose.translation() - passage.strike), wall.half_extents.y(), 1e-12);
+    }
+    EXPECT_NEAR(across.dot(passage.strike - walls[0].pose.translation()), walls[0].half_extents.x(), 1e-12);
+    EXPECT_NEAR(across.dot(walls[1].pose.translation() - passage.hinge), walls[1].half_extents.x(), 1e-12);
+  }
+}
+
+TEST(Passage, TheHandTurnsItsBackToTheHinge) {
+  for (const Door& door : kDoors) {
+    const HandleBelief belief = belief_of(door);
+    const Passage passage = passage_of(door);
+    const Matrix3d R = turned_to_hinge(grasp_orientation(belief, false), passage, 0.8);
+    const Vector3d to_axis = (passage_axis(belief, passage) - belief.position).normalized();
+    EXPECT_GT(-R.col(2).dot(to_axis), 0.5);
+    EXPECT_NEAR(-R.col(2).dot(belief.normal), std::cos(0.8), 1e-12);
+  }
+}
+
+TEST(Passage, NeedsADoorwayOfSomeWidth) {
+  HandleBelief belief = belief_of(kDoors[0]);
+  belief.doorway->right = belief.doorway->left + Vector3d(0.1, 0.0, 0.0);
+  EXPECT_FALSE(make_passage(belief, HingeSide::Left).has_value());
+  belief.doorway->right.setConstant(std::numeric_limits<double>::quiet_NaN());
+  EXPECT_FALSE(make_passage(belief, HingeSide::Left).has_value());
+  belief.doorway.reset();
+  EXPECT_FALSE(make_passage(belief, HingeSide::Left).has_value());
+}
+
+}  // namespace
+}  // namespace ajar
