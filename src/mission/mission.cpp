@@ -110,7 +110,9 @@ const MissionRecord& Mission::record() const noexcept { return impl_->record; }
 std::string Mission::explain() const {
   const Impl& m = *impl_;
   const MechanismEstimate& e = m.record.estimate;
-  const std::string seen = fmt::format("{:.2f} m of travel, {:.0f} deg turned", e.arc, e.angle * 180.0 / M_PI);
+  std::string seen = fmt::format("{:.2f} m of travel, {:.0f} deg turned", e.arc, e.angle * 180.0 / M_PI);
+  if (m.holding) seen += "; it closes by itself and is held";
+  const std::string room = m.handle.passage ? "; " + passage_room(*m.handle.passage, m.model) : "";
   switch (m.why) {
     case EndReason::GoalReached: return fmt::format("open as wanted: {}", seen);
     case EndReason::StopFelt: return fmt::format("an end stop was felt: {}", seen);
@@ -125,8 +127,8 @@ std::string Mission::explain() const {
       return fmt::format("it opens away from the robot, and no doorway is seen to push it through: {}", seen);
     case EndReason::NeedsMoreForce:
       return fmt::format("needs more than {:.0f} N at the handle: {}", m.config.limits.force - 8.0, seen);
-    case EndReason::Stalled: return fmt::format("stands still without force: {}", seen);
-    case EndReason::ClearanceStop: return fmt::format("a clearance limit stops it: {}", seen);
+    case EndReason::Stalled: return fmt::format("stands still without force: {}{}", seen, room);
+    case EndReason::ClearanceStop: return fmt::format("a clearance limit stops it: {}{}", seen, room);
     case EndReason::SensorInvalid: return "a measurement was not a number";
     case EndReason::SensorSilent: return fmt::format("no wrist reading for {:.0f} ms", 1e3 * m.config.limits.sensor_timeout);
     case EndReason::BaseBlocked: return "the base is told to move and does not";

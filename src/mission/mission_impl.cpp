@@ -207,6 +207,7 @@ void Mission::Impl::enter(Phase next) noexcept {
   planned = false;
   located = false;
   blocked_time = 0.0;
+  given_until = 0.0;
   switch (next) {
     case Phase::Choose:
     case Phase::Reach: sights.reset(); break;

@@ -55,9 +55,10 @@ struct Mission::Impl {
   void probe(const RobotState& state) noexcept;
   void open(const RobotState& state) noexcept;
   bool found_to_open_away(EndDetector::Verdict verdict) noexcept;
-  bool let_go(const RobotState& state) noexcept;
+  bool let_go(const RobotState& state, double give_time) noexcept;
+  bool start_folding(const RobotState& state);
   void regrasp(const RobotState& state);
-  void release(const RobotState& state) noexcept;
+  void release(const RobotState& state);
   void retreat(const RobotState& state) noexcept;
 
   void process(Event event, EndReason why = EndReason::Running) noexcept;
@@ -109,6 +110,8 @@ struct Mission::Impl {
   int probes = 0;
   std::optional<HingeSide> felt_side;  // of a leaf that opens away
   double blocked_time = 0.0;
+  double given_until = 0.0;  // time in the phase at which the fingers began to open; 0 = the hand still gives way
+  bool holding = false;
   Pose clear_pose = Pose::Identity();
   BasePose retreat_start;
   double retreat_sense = 0.0;

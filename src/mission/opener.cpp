@@ -24,6 +24,13 @@ constexpr double kLeastCurvature = 0.2;      // a hinge of more than 5 m radius 
 constexpr double kFlapTurn = 0.6;       // [rad]
 constexpr double kPivotCentring = 0.3;  // weak turn of a hand about a free bar towards where it should be [1/s]
 
+// Rotation vector of the leaf since the grasp, as the estimate has it now: errors of the first centimetres do not stay in
+// it.
+Vector3d leaf_turn(const MechanismEstimate& estimate) {
+  const double kappa = estimate.curvature.norm();
+  return kappa > 1e-6 ? Vector3d(estimate.angle / kappa * estimate.curvature) : Vector3d(Vector3d::Zero());
+}
+
 }  // namespace
 
 Opener::Opener(const RobotModel& model, const MissionConfig& config)
@@ -41,7 +48,6 @@ void Opener::start(const RobotState& state, const Kinematics& kinematics, const 
                    const Vector3d& direction) noexcept {
   R_grasp_ = kinematics.X_WE.linear();
   bar_in_hand_ = R_grasp_.transpose() * belief.bar;
-  turned_.setZero();
   base_law_.reset(state.base, kinematics.X_WE.translation(),
                   belief.passage ? std::optional(passage_line(*belief.passage)) : std::nullopt);
   straight_ = belief.passage.has_value();
@@ -113,10 +119,9 @@ double Opener::drive(const RobotState& state, const Kinematics& kin, const Force
   return speed;
 }
 
-void Opener::pivot_about(const Vector3d& axis, const Vector3d& correcting_turn, const Matrix3d& R,
+void Opener::pivot_about(const Vector3d& axis, double leaf_turn, const Vector3d& correcting_turn, const Matrix3d& R,
                          WbcProblem& problem) const noexcept {
   const bool upright = std::abs(axis.z()) > 0.7;
-  const double leaf_turn = turned_.dot(axis);
   const double wanted = upright ? leaf_turn : std::clamp(-0.5 * leaf_turn, -kFlapTurn, kFlapTurn);
   problem.free_axis = axis;
   problem.free_axis_rate =
@@ -155,14 +160,14 @@ EndDetector::Verdict Opener::step(const RobotState& state, const Kinematics& kin
   const Vector3d& x = estimate.direction;
   const Vector3d& k = estimate.curvature;
   const double along = x.dot(V.head<3>());
-  if (std::abs(along) > config_.estimator.still_speed) turned_ += along * dt * k;
+  const Vector3d turned = leaf_turn(estimate);
 
   // How fast, and where the base should be.
   const double sure = confidence(estimate);
   const double speed = drive(state, kin, correction, along, record.base);
 
   // What is near.
-  scene_.update(estimate, kin.X_WE.translation(), pivots ? turned_ : log_so3(R * R_grasp_.transpose()));
+  scene_.update(estimate, kin.X_WE.translation(), pivots ? turned : log_so3(R * R_grasp_.transpose()));
   scene_.place(clearance);
 
   // The whole body.
@@ -172,7 +177,7 @@ EndDetector::Verdict Opener::step(const RobotState& state, const Kinematics& kin
   problem.measured = measured;
   problem.tangential << speed * x, speed * k;
   problem.correction << -correction.velocity, -correction.turn;
-  if (pivots) pivot_about(free_axis, correction.turn, R, problem);
+  if (pivots) pivot_about(free_axis, turned.dot(free_axis), correction.turn, R, problem);
   problem.base = record.base.twist;
   problem.base_fixed = sure <= 0.0;
   problem.keep_heading = straight_;

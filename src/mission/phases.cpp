@@ -31,13 +31,17 @@ constexpr int kMaxProbes = 3;
 constexpr double kProbeReserve = 8.0;    // over the force that moved it in probing [N]
 constexpr double kAwayArc = 0.04;        // a direction this far travelled is felt, not guessed [m]
 constexpr double kAwayCosine = -0.5;     // more into the wall than along it
-constexpr double kFeelArc = 0.12;        // travel after which the hinge's side is taken for felt anyway [m]
+constexpr double kFeelArc = 0.14;        // travel after which the hinge's side is felt, whatever it looked like [m]
 constexpr double kSideSigmas = 3.0;      // curvature over its deviation that tells the side
 constexpr double kRelease = 1e-3;        // gives way to what force is left: half of α_f [m/(N s)]
 constexpr double kReleaseTurn = 0.05;    // [rad/(N m s)]
-constexpr double kRelaxTime = 0.3;       // standstill before the fingers open [s]
+constexpr double kRelaxTime = 0.3;       // the hand gives way at least this long before the fingers open [s]
+constexpr double kHoldTime = 1.5;        // force that remains after this comes from the leaf, not from the arm [s]
+constexpr double kLeadBackTime = 15.0;   // 12 cm at 1 cm/s, with reserve [s]
+constexpr double kLightForce = 1.5;      // three deviations of noise and drift of the sensor after a minute [N]
 constexpr double kOpenFingerTime = 0.6;  // [s]
 constexpr double kWithdraw = 0.12;       // the hand leaves the handle by this much [m]
+constexpr double kFoldStep = 0.05;       // 5 cm of a stretched arm [rad]
 constexpr double kRetreatWay = 0.3;      // [m]
 constexpr double kRetreatSpeed = 0.15;   // [m/s]
 constexpr double kRetreatGap = 0.06;     // nearer than this to wall or leaf the base stays [m]
@@ -63,7 +67,9 @@ void Mission::Impl::choose(const RobotState& state) {
     return;
   }
   candidates = planner.choose(handle, seed, &detail);
-  if (candidates.empty()) {
+  const bool narrow = handle.passage && passage_width(*handle.passage) < base_width(model);
+  if (narrow) detail = passage_room(*handle.passage, model);
+  if (candidates.empty() || (narrow && candidates.front().value < 0.0)) {
     process(Event::GaveUp, EndReason::Unreachable);
     return;
   }
@@ -262,47 +268,75 @@ bool Mission::Impl::found_to_open_away(EndDetector::Verdict verdict) noexcept {
     process(Event::Ended, EndReason::OpensAway);
     return true;
   }
-  const bool felt = std::abs(e.curvature.z()) > kSideSigmas * e.curvature_sigma || e.arc > kFeelArc;
-  if (!felt && verdict == EndDetector::Verdict::Going) return false;
-  felt_side = e.curvature.z() < 0.0 ? HingeSide::Right : HingeSide::Left;
+  const HingeSide side = e.curvature.z() < 0.0 ? HingeSide::Right : HingeSide::Left;
+  const bool sure = std::abs(e.curvature.z()) > kSideSigmas * e.curvature_sigma && side == likely_side(handle);
+  if (!sure && e.arc < kFeelArc && verdict == EndDetector::Verdict::Going) return false;
+  felt_side = side;
   process(Event::Rechoose);
   return true;
 }
 
-// Lets the force go, opens the fingers and draws the hand back along its axis. True once it is clear of the handle.
-bool Mission::Impl::let_go(const RobotState& state) noexcept {
-  if (time_in_phase < kRelaxTime + kOpenFingerTime) {
+// Gives way to what force is left, opens the fingers and draws the hand back along its axis. True once it is clear.
+bool Mission::Impl::let_go(const RobotState& state, double give_time) noexcept {
+  if (given_until == 0.0) {
+    const bool light = record.wrench.force.norm() < kLightForce;
+    if (time_in_phase > kRelaxTime && (light || time_in_phase > give_time)) given_until = time_in_phase;
+  }
+  if (given_until == 0.0 || time_in_phase < given_until + kOpenFingerTime) {
     // The arm takes up what the base still rolls and lets the force go; then the fingers open.
     Vector6d give;
     give << -kRelease * record.wrench.force, -kReleaseTurn * record.wrench.torque;
-    if (time_in_phase > kRelaxTime) give.setZero();
+    if (given_until > 0.0) give.setZero();
     solve_hand_twist(state, give, false);
-    command.gripper_closed = time_in_phase <= kRelaxTime;
+    command.gripper_closed = given_until == 0.0;
     clear_pose = record.kinematics.X_WE;
     clear_pose.translation() -= kWithdraw * clear_pose.linear().col(2);
     return false;
   }
   const double left = move_hand(state, clear_pose, kHandSpeed);
-  return left < 5.0 * kAtHandle || time_in_phase > kAdvanceTime;
+  return left < 5.0 * kAtHandle || time_in_phase > kAdvanceTime + given_until;
 }
 
-void Mission::Impl::release(const RobotState& state) noexcept {
-  if (let_go(state)) process(Event::Clear);
+// A pushed leaf that closes by itself would come down on hand and base: it is held and not let go.
+void Mission::Impl::release(const RobotState& state) {
+  const bool pushed = handle.passage.has_value();
+  if (!planned) {
+    const bool clear = let_go(state, pushed ? kHoldTime : kRelaxTime);
+    if (pushed && time_in_phase == given_until && record.wrench.force.norm() > kLightForce) {
+      command_zero();
+      command.gripper_closed = true;
+      holding = true;
+      process(Event::Holding);
+    } else if (clear && !pushed) {
+      process(Event::Clear);
+    } else if (clear && !start_folding(state)) {
+      process(Event::Holding);  // no way back: it stays where it is
+    }
+    return;
+  }
+  command_joints(joint_move.step(state.q, config.period));
+  if (joint_move.done()) process(Event::Clear);
+}
+
+// A path of the arm to its driving posture, the base standing. False if there is none.
+bool Mission::Impl::start_folding(const RobotState& state) {
+  command_zero();
+  opener.scene().place(clearance, false);
+  // A leaf is thin: between two looks the hand must not get from one side to the other.
+  JointPathConfig fine;
+  fine.step = kFoldStep;
+  std::vector<JointVector> path = plan_joint_path(model, clearance, state.base, state.q, model.home(), seed, fine);
+  if (path.empty()) return false;
+  joint_move.start(std::move(path));
+  planned = true;
+  return true;
 }
 
 // Lets go and folds the arm for the drive to another place.
 void Mission::Impl::regrasp(const RobotState& state) {
   if (!planned) {
-    if (!let_go(state)) return;
-    command_zero();
-    opener.scene().place(clearance, false);
-    std::vector<JointVector> path = plan_joint_path(model, clearance, state.base, state.q, model.home(), seed);
-    if (path.empty()) {
-      process(Event::GaveUp, EndReason::Unreachable);
-      return;
-    }
-    joint_move.start(std::move(path));
-    planned = true;
+    // A leaf that closes by itself is led back to its frame, or it would follow the hand.
+    if (let_go(state, kLeadBackTime) && !start_folding(state)) process(Event::GaveUp, EndReason::Unreachable);
     return;
   }
   command_joints(joint_move.step(state.q, config.period));

@@ -40,6 +40,13 @@ Box wall(const Passage& passage, const Vector3d& edge, const Vector3d& outward) 
 
 }  // namespace
 
+HingeSide likely_side(const HandleBelief& belief) noexcept {
+  if (!belief.doorway) return HingeSide::Right;
+  const double left = flat(belief.doorway->left - belief.position).norm();
+  const double right = flat(belief.doorway->right - belief.position).norm();
+  return left > right ? HingeSide::Left : HingeSide::Right;
+}
+
 std::optional<Passage> make_passage(const HandleBelief& belief, HingeSide side) {
   if (!belief.doorway || !belief.normal.allFinite()) return std::nullopt;
   const Vector3d along = flat(belief.doorway->right - belief.doorway->left);

@@ -51,6 +51,7 @@ TEST(Passage, TheAxisIsFoundFromTheFrameAndTheLeafAsItStands) {
   for (const Door& door : kDoors) {
     const Matrix3d R = exp_so3(Vector3d(0.0, 0.0, door.yaw));
     const Passage passage = passage_of(door);
+    EXPECT_EQ(likely_side(belief_of(door)), door.side > 0.0 ? HingeSide::Right : HingeSide::Left);
     EXPECT_NEAR(passage.opened, door.angle, 1e-12);
     EXPECT_LT((passage.inward - R * Vector3d::UnitY()).norm(), 1e-12);
     EXPECT_LT((passage_axis(belief_of(door), passage) - R * axis_of(door)).norm(), 1e-9);
@@ -100,6 +101,14 @@ TEST(Passage, TheHandTurnsItsBackToTheHinge) {
     EXPECT_GT(-R.col(2).dot(to_axis), 0.5);
     EXPECT_NEAR(-R.col(2).dot(belief.normal), std::cos(0.8), 1e-12);
   }
+}
+
+TEST(Passage, SaysHowMuchRoomIsLeft) {
+  const RobotModel model = load_robot("heron");
+  EXPECT_NEAR(base_width(model), 0.584, 1e-6);
+  Passage narrow = passage_of(kDoors[0]);
+  narrow.hinge = narrow.strike + Vector3d(0.62 + 0.07, 0.0, 0.0);  // 7 cm of leaf and gap when it stands open
+  EXPECT_EQ(passage_room(narrow, model), "base 0.58 m wide, opening 0.62 m: 0.02 m each side");
 }
 
 TEST(Passage, NeedsADoorwayOfSomeWidth) {

@@ -171,8 +171,8 @@ TEST(CorotatingBase, OnALineItFollowsTheHandOnlyAlongTheLine) {
     EXPECT_NEAR(base.y, -0.9 + radius * std::sin(angle), 0.01);
     EXPECT_LT(std::abs(base.x - 0.4), 0.025);
   }
-  // The law's lateral error decays over 1/sqrt(k_y) = 0.45 m, its heading with it.
-  EXPECT_LT(std::abs(base.x - 0.4), 0.01);
+  // The lateral error decays over 1/sqrt(k_y) = 0.45 m; 0.79 m leave less than 60 % of it, whatever the heading adds.
+  EXPECT_LT(std::abs(base.x - 0.4), 0.012);
   EXPECT_LT(std::abs(wrap_angle(base.yaw + 0.5 * std::numbers::pi)), 1.5 * kDegree);
 }
 

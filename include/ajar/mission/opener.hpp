@@ -46,8 +46,9 @@ class Opener {
   /// @return wanted hand speed [m/s]
   double drive(const RobotState& state, const Kinematics& kinematics, const ForceCorrection& correction, double along,
                BaseLawOutput& base) noexcept;
-  /// Lets the hand turn about the bar that it holds. @param axis  Of the bar, unit, world axes @param R  Hand to world
-  void pivot_about(const Vector3d& axis, const Vector3d& correcting_turn, const Matrix3d& R,
+  /// Lets the hand turn about the bar that it holds. @param axis  Of the bar, unit, world axes
+  /// @param leaf_turn  Of the leaf about it since the grasp [rad]  @param R  Hand to world
+  void pivot_about(const Vector3d& axis, double leaf_turn, const Vector3d& correcting_turn, const Matrix3d& R,
                    WbcProblem& problem) const noexcept;
   void solve(const WbcProblem& problem, WholeBodyController& controller, WbcSolution& out) noexcept;
 
@@ -63,7 +64,6 @@ class Opener {
   ClearanceResult clearances_;
   Matrix3d R_grasp_ = Matrix3d::Identity();
   Vector3d bar_in_hand_ = Vector3d::Zero();
-  Vector3d turned_ = Vector3d::Zero();
   double base_lag_ = 0.0;
   bool straight_ = false;  // the base keeps to a line
   double opened_ = 0.0;    // how far the leaf stood open when it was taken hold of

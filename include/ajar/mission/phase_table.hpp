@@ -47,7 +47,7 @@ inline constexpr std::array kTransitions = {
     Transition{Phase::Open, Event::Blocked, Phase::Probe},      Transition{Phase::Open, Event::Ended, Phase::Release},
     Transition{Phase::Open, Event::Rechoose, Phase::Regrasp},   Transition{Phase::Regrasp, Event::Clear, Phase::Choose},
     Transition{Phase::Regrasp, Event::GaveUp, Phase::Stopped},  Transition{Phase::Release, Event::Clear, Phase::Retreat},
-    Transition{Phase::Retreat, Event::Away, Phase::Done},
+    Transition{Phase::Release, Event::Holding, Phase::Done},    Transition{Phase::Retreat, Event::Away, Phase::Done},
 };
 
 /// The phase that follows. No exception.

@@ -11,6 +11,9 @@ namespace ajar {
 /// Which side a felt leaf is hinged on, as the robot sees it.
 enum class HingeSide { Left, Right };
 
+/// Side on which a leaf looks as if it were hinged: the one farther from its handle. Without a doorway: right.
+[[nodiscard]] HingeSide likely_side(const HandleBelief& belief) noexcept;
+
 /// The doorway of a leaf that opens away, from what is seen now and the side that was felt. (docs/equations.md#passage)
 /// @return nothing without a seen doorway or with one that has no width
 [[nodiscard]] std::optional<Passage> make_passage(const HandleBelief& belief, HingeSide side);
