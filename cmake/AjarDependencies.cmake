@@ -17,6 +17,8 @@ find_package(spdlog REQUIRED)
 find_package(nlohmann_json REQUIRED)
 find_package(Threads REQUIRED)
 find_package(ZLIB REQUIRED)
+find_package(PkgConfig REQUIRED)
+pkg_check_modules(httplib REQUIRED IMPORTED_TARGET cpp-httplib)  # of the program alone, not of the libraries
 if(AJAR_BUILD_TESTS)
   find_package(GTest REQUIRED)
 endif()

@@ -23,6 +23,7 @@ struct CampaignArguments {
   std::optional<int> runs;
   std::optional<std::uint64_t> seed;
   int jobs = 0;
+  std::optional<int> replay;
   std::string out;
   ajar::Keep keep = ajar::Keep::Failed;
   bool resume = false;
@@ -35,10 +36,27 @@ fs::path campaign_folder(const CampaignArguments& arguments) {
   return fs::path("runs") / fs::path(arguments.campaign).stem();
 }
 
+ajar::RunResult run_one(const ajar::Scenario& scenario, const ajar::RunOptions& options) {
+  return ajar::run_mission(scenario, make_plant, options);
+}
+
+/// One run again, with its folder; the campaign's rows stay as they are.
+int replay(const ajar::Campaign& campaign, const CampaignArguments& arguments) {
+  ajar::RunOptions options;
+  options.folder = ajar::run_folder(campaign_folder(arguments), *arguments.replay);
+  options.stop = &interrupted();
+  const ajar::RunResult result = ajar::replay_run(campaign, *arguments.replay, run_one, options);
+  fmt::print("{} ({} in phase {})\n{}\n", result.outcome, result.reason, result.phase,
+             (options.folder / "report.html").string());
+  return result.exit_code();
+}
+
 int run_all(const CampaignArguments& arguments) {
   ajar::Campaign campaign = ajar::load_campaign(arguments.campaign);
   if (arguments.runs) campaign.runs = *arguments.runs;
   if (arguments.seed) campaign.seed = *arguments.seed;
+
+  if (arguments.replay) return replay(campaign, arguments);
 
   CampaignTicker ticker;
   ajar::CampaignOptions options;
@@ -48,13 +66,10 @@ int run_all(const CampaignArguments& arguments) {
   options.resume = arguments.resume;
   options.stop = &interrupted();
   if (!arguments.quiet) options.progress = [&](const ajar::CampaignProgress& progress) { ticker.tell(progress); };
-  const auto one = [](const ajar::Scenario& scenario, const ajar::RunOptions& run_options) {
-    return ajar::run_mission(scenario, make_plant, run_options);
-  };
-  const ajar::CampaignSummary summary = ajar::run_campaign(campaign, one, options);
+  const ajar::CampaignSummary summary = ajar::run_campaign(campaign, run_one, options);
   ticker.finish();
   fmt::print("{}", ajar::format_summary(summary));
-  fmt::print("rows in {}\n", (options.out / "runs.csv").string());
+  fmt::print("rows in {}, page in {}\n", (options.out / "runs.csv").string(), (options.out / "report.html").string());
   return options.stop->load() ? kNotReached : kReached;
 }
 
@@ -72,6 +87,7 @@ void add_campaign(CLI::App& program, int& exit_code) {
   command->add_option("--seed", arguments->seed, "Seed instead of the file's");
   command->add_option("--keep", arguments->keep, "Run folders to keep: failed, all or none")
       ->transform(CLI::CheckedTransformer(keep));
+  command->add_option("--replay", arguments->replay, "Makes run NUMBER again, with its folder and page, and nothing else");
   command->add_option("--out", arguments->out, "Folder; default runs/CAMPAIGN");
   command->add_flag("--resume", arguments->resume, "Go on where a campaign was broken off");
   command->add_flag("--quiet", arguments->quiet, "No progress on standard error");

@@ -14,6 +14,8 @@ extern "C" void on_signal(int number) {
 
 }  // namespace
 
+void request_stop() noexcept { asked.store(true); }
+
 const std::atomic<bool>& interrupted() {
   std::signal(SIGINT, on_signal);
   std::signal(SIGTERM, on_signal);

@@ -18,8 +18,9 @@ int parse_and_run(CLI::App& program, int argc, char** argv, const int& exit_code
     return program.exit(asked);
   } catch (const CLI::RequiredError& error) {
     const bool unknown = argc > 1 && program.get_subcommands().empty();
-    complain(unknown ? std::string("unknown command '") + argv[1] + "'; allowed: run, campaign, identify, validate, report"
-                     : std::string(error.what()) + " (see ajar --help)");
+    complain(unknown
+                 ? std::string("unknown command '") + argv[1] + "'; allowed: run, campaign, identify, validate, report, view"
+                 : std::string(error.what()) + " (see ajar --help)");
     return kBadInput;
   } catch (const CLI::ParseError& error) {
     complain(std::string(error.what()) + " (see ajar --help)");
@@ -43,6 +44,7 @@ int main(int argc, char** argv) {
     add_identify(program, exit_code);
     add_validate(program, exit_code);
     add_report(program, exit_code);
+    add_view(program, exit_code);
     return parse_and_run(program, argc, argv, exit_code);
   } catch (const ajar::Error& error) {
     complain(error.what());

@@ -4,12 +4,16 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
+#include <cstdint>
 #include <cstdio>
 #include <numbers>
 #include <string>
 
 namespace {
+
+using Clock = std::chrono::steady_clock;
 
 constexpr int kBarWidth = 24;
 constexpr double kDegree = std::numbers::pi / 180.0;
@@ -24,6 +28,16 @@ std::string bar(double share) {
 void end_line(bool& open_line) {
   if (open_line) fmt::print(stderr, "\n");
   open_line = false;
+}
+
+double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+
+/// "42 s", "3 min 05 s", "1 h 20 min": as exact as a guess deserves.
+std::string duration_words(double seconds) {
+  const auto s = static_cast<std::int64_t>(std::lround(std::max(0.0, seconds)));
+  if (s < 100) return fmt::format("{} s", s);
+  if (s < 3600) return fmt::format("{} min {:02} s", s / 60, s % 60);
+  return fmt::format("{} h {:02} min", s / 3600, s % 3600 / 60);
 }
 
 std::string type_name(ajar::MechanismType type) {
@@ -41,6 +55,12 @@ RunTicker::RunTicker(ajar::JointKind kind) : kind_(kind), terminal_(is_terminal(
 
 std::string RunTicker::line(const ajar::RunProgress& p) const {
   std::string text = fmt::format("{:6.1f} s  {:<9}", p.time, ajar::to_string(p.phase));
+  const double wall = seconds_since(start_);
+  if (wall > 0.0 && p.time > 0.0) {
+    // What is left of the time limit, at the pace so far: the longest that one has to wait.
+    const double left = std::max(0.0, p.time_limit - p.time) * wall / p.time;
+    text += fmt::format("{:5.1f}x  at most {} left", p.time / wall, duration_words(left));
+  }
   if (p.phase != ajar::Phase::Probe && p.phase != ajar::Phase::Open && p.phase != ajar::Phase::Release) return text;
   text += kind_ == ajar::JointKind::Hinge ? fmt::format(" opening {:5.1f}°", p.opening / kDegree)
                                           : fmt::format(" opening {:.3f} m", p.opening);
@@ -76,7 +96,10 @@ CampaignTicker::CampaignTicker() : terminal_(is_terminal()) {}
 
 void CampaignTicker::tell(const ajar::CampaignProgress& p) {
   const double share = p.runs > 0 ? static_cast<double>(p.done) / p.runs : 1.0;
-  const std::string text = fmt::format("{} of {} runs, {} opened", p.done, p.runs, p.opened);
+  if (first_ < 0) first_ = p.done - 1;  // a campaign that is resumed has rows already
+  std::string text = fmt::format("{} of {} runs, {} opened", p.done, p.runs, p.opened);
+  const int made = p.done - first_;
+  if (made > 0) text += fmt::format(", {} left", duration_words(seconds_since(start_) / made * (p.runs - p.done)));
   if (terminal_) {
     fmt::print(stderr, "\r{} {}\x1b[K", bar(share), text);
     std::fflush(stderr);

@@ -1,10 +1,12 @@
 #pragma once
 
+#include <chrono>
+
 #include "ajar/campaign/campaign.hpp"
 #include "ajar/campaign/run.hpp"
 
-/// Tells on standard error how a run goes: a line per phase and every two seconds of the robot's time; on a terminal one
-/// line that moves.
+/// Tells on standard error how a run goes (phase, speed, time left, opening, force, belief): a line per phase and every two
+/// seconds of the robot's time; on a terminal one line that moves.
 class RunTicker {
  public:
   explicit RunTicker(ajar::JointKind kind);
@@ -21,6 +23,7 @@ class RunTicker {
   bool started_ = false;
   ajar::Phase phase_ = ajar::Phase::Choose;
   double next_ = 0.0;
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
 /// The same for a campaign: a bar on a terminal, else a line every tenth of the runs.
@@ -34,4 +37,6 @@ class CampaignTicker {
   bool terminal_;
   bool open_line_ = false;
   int last_tenth_ = -1;
+  int first_ = -1;  ///< Rows that were there before
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };

@@ -2,18 +2,22 @@
 
 #include <fmt/format.h>
 
+#include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
 #include <numbers>
 #include <optional>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "ajar/core/error.hpp"
 #include "commands.hpp"
 #include "exit_codes.hpp"
 #include "interrupt.hpp"
+#include "live.hpp"
 #include "plants.hpp"
 #include "progress.hpp"
 
@@ -27,6 +31,38 @@ struct RunArguments {
   std::optional<std::uint64_t> seed;
   std::string out;
   bool quiet = false;
+  bool live = false;
+  double speed = 1.0;
+};
+
+/// Shows a run while it goes on, at the pace of a clock.
+class LiveShow {
+ public:
+  LiveShow(fs::path folder, double speed, ajar::JointKind kind, int joints)
+      : folder_(std::move(folder)), speed_(speed), kind_(kind), joints_(joints) {}
+
+  void observe(const ajar::TickView& tick) {
+    if (!live_) {  // the run folder with its scene is there from the first tick on
+      live_.emplace(folder_, kind_, joints_);
+      fmt::print(stderr, "live: {}\n", live_->address());
+      start_ = std::chrono::steady_clock::now();
+    }
+    live_->offer(tick);
+    if (speed_ <= 0.0 || !std::isfinite(tick.state.time)) return;
+    const std::chrono::duration<double> due(tick.state.time / speed_);
+    std::this_thread::sleep_until(start_ + std::chrono::duration_cast<std::chrono::steady_clock::duration>(due));
+  }
+  void finish() {
+    if (live_) live_->finish();
+  }
+
+ private:
+  fs::path folder_;
+  double speed_;
+  ajar::JointKind kind_;
+  int joints_;
+  std::optional<LiveRun> live_;
+  std::chrono::steady_clock::time_point start_;
 };
 
 /// runs/NAME-1, or the first number that is free.
@@ -71,17 +107,23 @@ int run(const RunArguments& arguments) {
   options.folder = arguments.out.empty() ? free_folder(scenario.file) : fs::path(arguments.out);
   options.stop = &interrupted();
   std::unique_ptr<RunTicker> ticker;
+  std::unique_ptr<LiveShow> show;
   const ajar::PlantFactory factory = [&](const ajar::PlantRequest& request) {
     ajar::SimulatedPlant made = make_plant(request);
     if (!arguments.quiet) ticker = std::make_unique<RunTicker>(made.truth.kind);
+    if (arguments.live) {
+      show = std::make_unique<LiveShow>(options.folder, arguments.speed, made.truth.kind, request.model.joints());
+    }
     return made;
   };
+  if (arguments.live) options.observe = [&](const ajar::TickView& tick) { show->observe(tick); };
   options.progress = [&](const ajar::RunProgress& progress) {
     if (ticker) ticker->tell(progress);
   };
   const ajar::RunResult result = ajar::run_mission(scenario, factory, options);
   if (ticker) ticker->finish();
   print_result(result, options.folder);
+  if (show) show->finish();
   return result.exit_code();
 }
 
@@ -95,6 +137,10 @@ void add_run(CLI::App& program, int& exit_code) {
       ->allow_extra_args(false);
   command->add_option("--seed", arguments->seed, "Seed instead of the scenario's");
   command->add_option("--out", arguments->out, "Run folder; default runs/SCENARIO-NUMBER");
+  CLI::Option* const live = command->add_flag("--live", arguments->live, "Shows the run in a browser while it goes on");
+  command->add_option("--speed", arguments->speed, "With --live: times real time; 0 = as fast as it goes; default 1")
+      ->check(CLI::Range(0.0, 1000.0))
+      ->needs(live);
   command->add_flag("--quiet", arguments->quiet, "No progress on standard error");
   command->callback([arguments, &exit_code] { exit_code = run(*arguments); });
 }

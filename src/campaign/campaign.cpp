@@ -10,6 +10,7 @@
 
 #include "ajar/core/error.hpp"
 #include "ajar/log/csv_table.hpp"
+#include "ajar/report/report.hpp"
 
 namespace ajar {
 namespace {
@@ -74,6 +75,7 @@ class RowFile {
       std::ofstream(copy, std::ios::binary) << identity;
       std::ofstream(file_, std::ios::binary) << header;
     }
+    write_campaign_origin(options.out, {campaign.file, campaign.seed});
     stream_.open(file_, std::ios::binary | std::ios::app);
     if (!stream_ || !std::filesystem::exists(copy)) throw IoError("cannot write '" + file_.string() + "'");
   }
@@ -189,7 +191,7 @@ class Pool {
   RunResult run_kept(const Scenario& scenario, int index) {
     RunOptions options;
     options.stop = options_.stop;
-    const std::filesystem::path folder = options_.out / "runs" / fmt::format("{:05d}", index);
+    const std::filesystem::path folder = run_folder(options_.out, index);
     if (options_.keep == Keep::All) options.folder = folder;
     RunResult result = run_(scenario, options);
     if (options_.keep != Keep::Failed || result.exit_code() == 0 || stopped()) return result;
@@ -220,7 +222,19 @@ CampaignSummary run_campaign(const Campaign& campaign, const RunFunction& run, c
   stream << to_json(summary);
   stream.close();
   if (!stream) throw IoError("cannot write '" + (options.out / "summary.json").string() + "'");
+  write_page(options.out / "report.html", make_campaign_page(options.out));
   return summary;
+}
+
+std::filesystem::path run_folder(const std::filesystem::path& out, int index) {
+  return out / "runs" / fmt::format("{:05d}", index);
+}
+
+RunResult replay_run(const Campaign& campaign, int index, const RunFunction& run, RunOptions options) {
+  if (index < 0 || index >= campaign.runs) {
+    throw ConfigError(fmt::format("{}: run {}: allowed: 0 … {}", campaign.file.string(), index, campaign.runs - 1));
+  }
+  return run(make_run(campaign, index).scenario, options);
 }
 
 }  // namespace ajar

@@ -117,6 +117,7 @@ struct Run {
       const TickView tick{state, simulated.witness->truth(), mission.record(), command, 1e6 * seconds_since(before)};
       judge.observe(tick);
       if (log) log->record(tick);
+      if (options.observe) options.observe(tick);
       tell_progress(next_progress);
       simulated.plant->apply(command);
       simulated.plant->advance(scenario.mission.period);

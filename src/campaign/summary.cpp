@@ -162,10 +162,10 @@ std::string to_json(const CampaignSummary& summary) {
 
 std::string format_summary(const CampaignSummary& summary) {
   std::string text =
-      fmt::format("{:<34}{:>7}{:>9}{:>12}{:>10}{:>9}\n", "group", "runs", "opened", "no contact", "contacts", "errors");
+      fmt::format("{:<31}{:>6}{:>8}{:>11}{:>8}{:>16}\n", "group", "runs", "opened", "no contact", "errors", "normal N, p90");
   for (const GroupSummary& group : summary.groups) {
-    text += fmt::format("{:<34}{:>7}{:>9}{:>12}{:>10}{:>9}\n", group.name, group.runs, group.opened, group.opened_clean,
-                        group.contact_runs, group.errors);
+    text += fmt::format("{:<31}{:>6}{:>8}{:>11}{:>8}{:>16}\n", group.name, group.runs, group.opened, group.opened_clean,
+                        group.errors, cell(group.metrics.at("peak_normal_force_free_N").p90, 1.0));
   }
   text += "\nreasons: ";
   bool first = true;
@@ -175,14 +175,12 @@ std::string format_summary(const CampaignSummary& summary) {
   }
   text += fmt::format("\nruns with limit violations {}, with commands that are not finite {}\n", summary.limit_violations,
                       summary.nonfinite_commands);
-  for (const GroupSummary& group : summary.groups) {
-    text += fmt::format("\n{:<40}{:>9}{:>9}{:>9}{:>7}\n", group.name, "p50", "p90", "max", "runs");
-    for (const Metric& metric : kMetrics) {
-      const MetricSummary& m = group.metrics.at(metric.column);
-      if (m.count == 0) continue;
-      text += fmt::format("{:<40}{:>9}{:>9}{:>9}{:>7}\n", fmt::format("{} [{}]", metric.title, metric.unit),
-                          cell(m.p50, metric.scale), cell(m.p90, metric.scale), cell(m.max, metric.scale), m.count);
-    }
+  text += fmt::format("\n{:<40}{:>9}{:>9}{:>9}{:>7}\n", "all", "p50", "p90", "max", "runs");
+  for (const Metric& metric : kMetrics) {
+    const MetricSummary& m = summary.groups.front().metrics.at(metric.column);
+    if (m.count == 0) continue;
+    text += fmt::format("{:<40}{:>9}{:>9}{:>9}{:>7}\n", fmt::format("{} [{}]", metric.title, metric.unit),
+                        cell(m.p50, metric.scale), cell(m.p90, metric.scale), cell(m.max, metric.scale), m.count);
   }
   return text;
 }

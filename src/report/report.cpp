@@ -3,12 +3,12 @@
 #include <fmt/format.h>
 
 #include <fstream>
-#include <iterator>
 #include <set>
 
 #include "ajar/core/error.hpp"
 #include "pack.hpp"
 #include "page.hpp"
+#include "run_files.hpp"
 #include "run_series.hpp"
 
 namespace ajar {
@@ -17,45 +17,23 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-/// Content of a file, empty if there is none.
-std::string read_text(const fs::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
-}
-
-/// A file of ours that a run which broke off may have left out or half written: then null.
-Json read_json(const fs::path& file) {
-  Json json = Json::parse(read_text(file), nullptr, false);
-  return json.is_discarded() ? Json(nullptr) : json;
-}
-
 /// Member of a member, null where there is none.
 Json get(const Json& json, const char* outer, const char* inner) {
   if (!json.is_object() || !json.contains(outer) || !json[outer].is_object() || !json[outer].contains(inner)) return nullptr;
   return json[outer][inner];
 }
 
-fs::path clean(const fs::path& folder) {
-  const fs::path path = fs::absolute(folder).lexically_normal();
-  return path.has_filename() ? path : path.parent_path();
-}
-
 Json run_json(const fs::path& folder, const std::string& name, const ReportConfig& config) {
-  const Json result = read_json(folder / "result.json");
-  const Json scene = read_json(folder / "scene.json");
+  const Json result = page::read_json(folder / "result.json");
+  const Json scene = page::read_json(folder / "scene.json");
   const bool slide = get(scene, "mechanism", "type") == "slide" ||
                      (result.is_object() && result.value("mechanism_type_true", Json()) == "slide");
   const RunSeries run = read_run_series(folder, slide, config.period);
-  Json json = {{"name", name},
-               {"result", result.is_object() ? result : Json(nullptr)},
-               {"scene", scene.is_object() ? scene : Json(nullptr)},
-               {"scenario", read_text(folder / "scenario.toml")},
-               {"slide", slide},
-               {"cut_off", run.cut_off},
-               {"joints", run.joints},
-               {"rows", run.time.size()},
-               {"log_rows", run.rows},
-               {"phase_names", run.phase_names}};
+  Json json = {{"name", name},         {"result", result},
+               {"scene", scene},       {"scenario", page::read_text(folder / "scenario.toml")},
+               {"slide", slide},       {"cut_off", run.cut_off},
+               {"joints", run.joints}, {"rows", run.time.size()},
+               {"log_rows", run.rows}, {"phase_names", run.phase_names}};
   std::vector<const std::vector<double>*> columns{&run.time};
   Json names = Json::array({"time"});
   for (const auto& [column, values] : run.series) {
@@ -72,7 +50,7 @@ std::vector<std::string> short_names(const std::vector<fs::path>& folders) {
   std::vector<std::string> names;
   std::set<std::string> different;
   for (const fs::path& folder : folders) {
-    names.push_back(clean(folder).filename().string());
+    names.push_back(folder_name(folder));
     different.insert(names.back());
   }
   if (different.size() == names.size()) return names;
@@ -82,6 +60,11 @@ std::vector<std::string> short_names(const std::vector<fs::path>& folders) {
 }
 
 }  // namespace
+
+std::string folder_name(const fs::path& folder) {
+  const fs::path path = fs::absolute(folder).lexically_normal();
+  return (path.has_filename() ? path : path.parent_path()).filename().string();
+}
 
 std::string make_report(const std::vector<fs::path>& run_folders, const ReportConfig& config) {
   if (!(config.period > 0.0)) throw ConfigError(fmt::format("report.period = {}: allowed: above 0", config.period));

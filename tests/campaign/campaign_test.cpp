@@ -115,6 +115,22 @@ TEST_F(CampaignTest, SummaryCountsAsTheRowsSay) {
   EXPECT_EQ(split, 24);
 }
 
+TEST_F(CampaignTest, LeavesAPageAndReplaysARunFromItsSeed) {
+  const Campaign campaign = load_campaign(write(kPull));
+  (void)run_campaign(campaign, fake_run, options("page", 2));
+  EXPECT_NE(read(folder / "page/report.html").find("\"kind\":\"campaign\""), std::string::npos);
+  RunOptions asked;
+  asked.folder = run_folder("page", 7);
+  EXPECT_EQ(asked.folder, fs::path("page/runs/00007"));
+  const auto look = [&](const Scenario& scenario, const RunOptions& given) {
+    EXPECT_EQ(scenario.seed, run_seed(campaign.seed, 7));
+    EXPECT_EQ(given.folder, asked.folder);
+    return fake_run(scenario, given);
+  };
+  EXPECT_EQ(replay_run(campaign, 7, look, asked).outcome, run_seed(campaign.seed, 7) % 3 == 0 ? "stopped" : "opened");
+  EXPECT_THROW((void)replay_run(campaign, 24, look, asked), ConfigError);
+}
+
 TEST_F(CampaignTest, ResumeGoesOnAfterTheLastCompleteRow) {
   const Campaign campaign = load_campaign(write(kPull));
   (void)run_campaign(campaign, fake_run, options("whole", 2));

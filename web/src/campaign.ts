@@ -3,6 +3,8 @@ import { unpackColumns } from "./unpack";
 
 export interface CampaignJson {
   name: string;
+  /** As it was called when the page was made. */
+  folder: string;
   /** Campaign file and seed that give the same runs again. */
   origin: string;
   seed: string;

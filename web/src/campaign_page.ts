@@ -86,7 +86,7 @@ function replayOf(campaign: Campaign, row: number): HTMLElement {
     );
     return el("p", {}, link, campaign.stored.has(run) ? "" : " (it is made again from its seed, which takes some seconds)");
   }
-  const command = `ajar campaign ${campaign.json.origin} --seed ${campaign.json.seed} --replay ${run} --out ${campaign.json.name}`;
+  const command = `ajar campaign ${campaign.json.origin} --seed ${campaign.json.seed} --replay ${run} --out ${campaign.json.folder}`;
   const box = el("p", {}, "Its replay was not kept. This makes it again from its seed: ", el("code", {}, command), " ");
   box.append(button("Copy", () => void navigator.clipboard.writeText(command)));
   box.append(el("span", { class: "soft" }, ` or look at this folder with ajar view, where a click makes it.`));

@@ -102,6 +102,9 @@ export function successCard(
   return el("section", { class: "card mini" }, el("h3", {}, readable(column).label), bars, ends);
 }
 
+/** Digits with which values up to a size are told apart. */
+const digitsFor = (size: number): number => (size < 0.05 ? 4 : size < 1 ? 3 : size < 20 ? 2 : 1);
+
 /** How often which value came out, opened runs and others on top of each other; values beyond p99 share the last bar. */
 export function histogramCard(campaign: Campaign, column: string, rows: number[]): HTMLElement | null {
   const { label, scale, unit } = readable(column);
@@ -111,6 +114,7 @@ export function histogramCard(campaign: Campaign, column: string, rows: number[]
   const low = Math.min(0, sorted[0]);
   const high = quantile(sorted, 0.99) || sorted[sorted.length - 1] || 1;
   const count = 24;
+  const digits = digitsFor(high);
   const good = new Array<number>(count).fill(0);
   const bad = new Array<number>(count).fill(0);
   values.forEach((v, i) => {
@@ -125,7 +129,7 @@ export function histogramCard(campaign: Campaign, column: string, rows: number[]
     const to = i + 1 === count ? sorted[sorted.length - 1] : low + ((high - low) * (i + 1)) / count;
     const bar = el("span", {
       class: "column",
-      title: `${figure(from)} to ${quantity(to, unit)}: ${good[i]} opened, ${bad[i]} not`,
+      title: `${figure(from, digits)} to ${quantity(to, unit, digits)}: ${good[i]} opened, ${bad[i]} not`,
     });
     bar.append(
       el("i", { class: "share", style: `height:${(100 * good[i]) / most}%` }),
@@ -133,8 +137,13 @@ export function histogramCard(campaign: Campaign, column: string, rows: number[]
     );
     bars.append(bar);
   }
-  const words = `median ${quantity(quantile(sorted, 0.5), unit)} · p90 ${quantity(quantile(sorted, 0.9), unit)} · largest ${quantity(sorted[sorted.length - 1], unit)}`;
-  const ends = el("div", { class: "ends" }, el("span", {}, figure(low)), el("span", {}, `≥ ${quantity(high, unit)}`));
+  const words = `median ${quantity(quantile(sorted, 0.5), unit, digits)} · p90 ${quantity(quantile(sorted, 0.9), unit, digits)} · largest ${quantity(sorted[sorted.length - 1], unit, digits)}`;
+  const ends = el(
+    "div",
+    { class: "ends" },
+    el("span", {}, figure(low)),
+    el("span", {}, `≥ ${quantity(high, unit, digits)}`),
+  );
   bars.setAttribute("role", "img");
   bars.setAttribute("aria-label", `Distribution of ${label}: ${words}`);
   return el("section", { class: "card mini" }, el("h3", {}, label), bars, ends, el("p", { class: "soft" }, words));

@@ -105,7 +105,7 @@ function phaseBars(runs: Run[], tints: string[], clock: Clock, local: (run: Run,
     const bar = new PhaseBar(run, clock, (time) => local(run, time));
     const swatch = el("i", { class: "swatch", style: `background:var(${tints[i]})` });
     bar.element.prepend(el("p", { class: "whose" }, swatch, run.json.name));
-    if (i > 0) bar.element.classList.add("silent");
+    if (i > 0) bar.silence();
     return bar;
   });
 }

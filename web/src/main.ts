@@ -3,14 +3,20 @@ import { Campaign, type CampaignJson } from "./campaign";
 import { showCampaign } from "./campaign_page";
 import { showComparison } from "./comparison_page";
 import { el } from "./dom";
+import { showLive } from "./live_page";
 import { Run, type RunJson } from "./run";
 import { showRun } from "./run_page";
 
-type PageData = { kind: "runs"; runs: RunJson[] } | { kind: "campaign"; campaign: CampaignJson };
+type PageData =
+  { kind: "runs"; runs: RunJson[] } | { kind: "campaign"; campaign: CampaignJson } | { kind: "live"; run: RunJson };
 
 async function show(root: HTMLElement, data: PageData): Promise<void> {
   if (data.kind === "campaign") {
     showCampaign(root, await Campaign.load(data.campaign));
+    return;
+  }
+  if (data.kind === "live") {
+    showLive(root, Run.live(data.run));
     return;
   }
   const runs = await Promise.all(data.runs.map((json) => Run.load(json)));

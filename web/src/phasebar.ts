@@ -38,6 +38,12 @@ export class PhaseBar {
     this.update();
   }
 
+  /** Leaves the controls to another bar; the phases stay. */
+  silence(): void {
+    this.element.classList.add("silent");
+    this.slider.remove();
+  }
+
   /** Draws the phases anew, as while a run goes on. */
   rebuild(): void {
     const { start, end } = this.clock;

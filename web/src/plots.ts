@@ -217,11 +217,20 @@ class Plot {
     const x = this.chart.valToPos(time, "x");
     this.needle.style.transform = `translateX(${x}px)`;
     this.needle.hidden = !(x >= 0 && x <= this.chart.over.clientWidth);
-    if ((this.chart.cursor.left ?? -1) < 0) this.showValues(time);
+    if ((this.chart.cursor.left ?? -1) < 0 && this.group.reading) this.showValues(time);
   }
 
   resize(): void {
     this.chart?.setSize({ width: Math.max(120, this.holder.clientWidth), height: 170 });
+    this.moveNeedle(this.group.clock.time);
+  }
+
+  /** Takes the curves anew, as they grow. */
+  refresh(): void {
+    if (this.chart === null) return;
+    this.lines = this.source.lines(this.definition);
+    this.values.forEach((v, i) => (v.line = this.lines[i] ?? v.line));
+    this.chart.setData([this.source.time(), ...this.columns()] as uPlot.AlignedData);
     this.moveNeedle(this.group.clock.time);
   }
 
@@ -251,7 +260,7 @@ export class PlotGroup {
   ) {
     this.plots = definitions.filter((d) => source.lines(d).length > 0).map((d) => new Plot(d, source, this));
     this.element.append(...this.plots.map((p) => p.element));
-    clock.onChange(() => this.plots.forEach((p) => p.moveNeedle(clock.time)));
+    clock.onChange(() => this.follow());
     onSchemeChange(() => this.build());
     let width = 0;
     new ResizeObserver(([entry]) => {
@@ -263,8 +272,23 @@ export class PlotGroup {
     }).observe(this.element);
   }
 
+  /** False in pictures of a replay in which the figures stay as they are: nobody reads thirty a second. */
+  reading = true;
+  private read = 0;
+
+  private follow(): void {
+    const now = performance.now();
+    this.reading = !this.clock.playing || now - this.read > 120;
+    if (this.reading) this.read = now;
+    for (const plot of this.plots) plot.moveNeedle(this.clock.time);
+  }
+
   build(): void {
     for (const plot of this.plots) plot.build();
+  }
+
+  refresh(): void {
+    for (const plot of this.plots) plot.refresh();
   }
 
   zoom(range: [number, number] | null): void {

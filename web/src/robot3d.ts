@@ -13,16 +13,10 @@ function place(object: THREE.Object3D, pose: PoseJson): void {
   object.quaternion.set(pose.turn.x, pose.turn.y, pose.turn.z, pose.turn.w);
 }
 
-function material(rgb: THREE.ColorRepresentation, paint: Paint, rough = 0.65): THREE.MeshStandardMaterial {
+function material(rgb: THREE.ColorRepresentation, paint: Paint): THREE.MeshLambertMaterial {
   const color = new THREE.Color(rgb);
   if (paint.tint !== undefined) color.lerp(new THREE.Color(paint.tint), 0.65);
-  return new THREE.MeshStandardMaterial({
-    color,
-    roughness: rough,
-    metalness: 0.05,
-    transparent: paint.opacity < 1,
-    opacity: paint.opacity,
-  });
+  return new THREE.MeshLambertMaterial({ color, transparent: paint.opacity < 1, opacity: paint.opacity });
 }
 
 /** three.js has its cylinders along y, a URDF along z. */
@@ -140,11 +134,11 @@ export class MechanismFigure {
     paint: Paint,
     withWorld: boolean,
   ) {
-    const wood = material("#c29a66", paint, 0.8);
+    const wood = material("#c29a66", paint);
     for (const box of mechanism.leaf) this.leaf.add(boxMesh(box, wood));
     this.addHandle(paint);
     this.root.add(this.leaf);
-    const wall = new THREE.MeshStandardMaterial({ color: "#b9bfc8", roughness: 0.95, transparent: true, opacity: 0.9 });
+    const wall = new THREE.MeshLambertMaterial({ color: "#b9bfc8" });
     if (withWorld) for (const box of mechanism.world) this.world.add(boxMesh(box, wall));
     this.root.add(this.world);
     this.leaf.traverse((o) => (o.castShadow = paint.opacity === 1));
@@ -153,7 +147,7 @@ export class MechanismFigure {
 
   private addHandle(paint: Paint): void {
     const m = this.mechanism;
-    const metal = material("#3d434b", paint, 0.35);
+    const metal = material("#3d434b", paint);
     const centre = new THREE.Vector3(...m.handle);
     const radius = Math.max(0.006, (m.handle_thickness ?? 0.02) / 2);
     const along = new THREE.Vector3(...(m.handle_bar ?? [0, 0, 1])).normalize();

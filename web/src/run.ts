@@ -106,6 +106,7 @@ export class Run {
   readonly columns = new Map<string, Float32Array>();
   /** Rows that hold values; columns may be longer while a run goes on. */
   rows = 0;
+  private growing = false;
   segments: Segment[] = [];
 
   constructor(readonly json: RunJson) {}
@@ -117,6 +118,33 @@ export class Run {
     run.rows = json.rows;
     run.findSegments();
     return run;
+  }
+
+  /** A run of which rows are still to come. */
+  static live(json: RunJson): Run {
+    const run = new Run(json);
+    for (const name of json.columns) run.columns.set(name, new Float32Array(1024));
+    run.growing = true;
+    return run;
+  }
+
+  /** Adds a row in the order of the columns; null is a gap. */
+  append(values: (number | null)[]): void {
+    const names = this.json.columns;
+    const time = values[names.indexOf("time")] ?? NaN;
+    if (this.rows > 0 && !(time > this.end)) return;
+    names.forEach((name, i) => {
+      let column = this.columns.get(name) ?? new Float32Array(0);
+      if (this.rows >= column.length) {
+        const longer = new Float32Array(2 * column.length);
+        longer.set(column);
+        this.columns.set(name, longer);
+        column = longer;
+      }
+      column[this.rows] = values[i] ?? NaN;
+    });
+    this.rows += 1;
+    this.extendSegments(this.rows - 1);
   }
 
   get time(): Float32Array {
@@ -165,6 +193,7 @@ export class Run {
 
   has(name: string): boolean {
     const column = this.columns.get(name);
+    if (this.growing) return column !== undefined;
     return column !== undefined && column.subarray(0, this.rows).some((v) => Number.isFinite(v));
   }
 
@@ -193,15 +222,16 @@ export class Run {
     return this.segments.find((s) => phases.includes(s.phase))?.from;
   }
 
-  findSegments(): void {
+  private findSegments(): void {
     this.segments = [];
-    const phase = this.columns.get("phase");
-    if (phase === undefined) return;
-    for (let i = 0; i < this.rows; ++i) {
-      const current = this.segments.at(-1);
-      const name = this.json.phase_names[phase[i]] ?? "";
-      if (current !== undefined) current.to = this.time[i];
-      if (current?.phase !== name) this.segments.push({ phase: name, from: this.time[i], to: this.time[i] });
-    }
+    for (let i = 0; i < this.rows; ++i) this.extendSegments(i);
+  }
+
+  private extendSegments(row: number): void {
+    const current = this.segments.at(-1);
+    const name = this.phaseName(row);
+    const time = this.time[row];
+    if (current !== undefined) current.to = time;
+    if (current?.phase !== name) this.segments.push({ phase: name, from: time, to: time });
   }
 }

@@ -54,6 +54,12 @@ function hull(points: number[][]): Point[] {
   return half(sorted).concat(half(sorted.reverse()));
 }
 
+function trace(g: CanvasRenderingContext2D, points: Point[], close: boolean): void {
+  g.beginPath();
+  points.forEach((p, i) => (i === 0 ? g.moveTo(...p) : g.lineTo(...p)));
+  if (close) g.closePath();
+}
+
 /** What one run adds to the picture. */
 class Layer {
   readonly walls: Point[][];
@@ -115,7 +121,9 @@ export class TopView {
   readonly element: HTMLElement;
   private readonly canvas = el("canvas", { role: "img", "aria-label": "Base, hand and leaf seen from above" });
   private readonly layers: Layer[];
+  private readonly still = el("canvas");
   private extent: Point[] = [];
+  private view: { k: number; w: number; h: number; to: (p: Point) => Point } | null = null;
 
   constructor(
     runs: Run[],
@@ -138,8 +146,8 @@ export class TopView {
       legend.append(el("span", {}, el("i", { style: `border-top-color:var(${name})` }), label));
     this.element = el("section", { class: "card plot top" }, el("h2", {}, "From above, 0.5 m grid"), this.canvas, legend);
     clock.onChange(() => this.draw());
-    onSchemeChange(() => this.draw());
-    new ResizeObserver(() => this.draw()).observe(this.canvas);
+    onSchemeChange(() => this.drawStill());
+    new ResizeObserver(() => this.drawStill()).observe(this.canvas);
     this.refresh();
   }
 
@@ -151,25 +159,45 @@ export class TopView {
         [-1, -1],
         [1, 1],
       ];
+    this.drawStill();
+  }
+
+  /** Room of the picture and the way from metres to it. */
+  private frame(): { k: number; w: number; h: number; to: (p: Point) => Point } {
+    const { clientWidth: w, clientHeight: h } = this.canvas;
+    const xs = this.extent.map((p) => p[0]);
+    const ys = this.extent.map((p) => p[1]);
+    const [x0, x1] = [Math.min(...xs) - 0.1, Math.max(...xs) + 0.1];
+    const [y0, y1] = [Math.min(...ys) - 0.1, Math.max(...ys) + 0.1];
+    const k = Math.min(w / (x1 - x0), h / (y1 - y0));
+    return { k, w, h, to: ([x, y]) => [w / 2 + k * (x - (x0 + x1) / 2), h / 2 - k * (y - (y0 + y1) / 2)] };
+  }
+
+  /** Draws what stands: grid, walls, paths. */
+  private drawStill(): void {
+    if (this.canvas.clientWidth === 0) return;
+    this.view = this.frame();
+    const { k, w, h, to } = this.view;
+    const ratio = window.devicePixelRatio || 1;
+    for (const canvas of [this.canvas, this.still]) {
+      canvas.width = Math.round(w * ratio);
+      canvas.height = Math.round(h * ratio);
+      canvas.getContext("2d")?.setTransform(ratio, 0, 0, ratio, 0, 0);
+    }
+    const g = this.still.getContext("2d");
+    if (g === null) return;
+    this.drawGrid(g, k, w, h, to);
+    for (const layer of this.layers) this.drawPaths(g, layer, to);
     this.draw();
   }
 
   private draw(): void {
     const g = this.canvas.getContext("2d");
-    const { clientWidth: w, clientHeight: h } = this.canvas;
-    if (g === null || w === 0) return;
-    const ratio = window.devicePixelRatio || 1;
-    if (this.canvas.width !== Math.round(w * ratio)) this.canvas.width = Math.round(w * ratio);
-    if (this.canvas.height !== Math.round(h * ratio)) this.canvas.height = Math.round(h * ratio);
-    g.setTransform(ratio, 0, 0, ratio, 0, 0);
+    if (g === null || this.view === null) return;
+    const { w, h, to } = this.view;
     g.clearRect(0, 0, w, h);
-    const xs = this.extent.map((p) => p[0]);
-    const ys = this.extent.map((p) => p[1]);
-    const [x0, x1, y0, y1] = [Math.min(...xs) - 0.1, Math.max(...xs) + 0.1, Math.min(...ys) - 0.1, Math.max(...ys) + 0.1];
-    const k = Math.min(w / (x1 - x0), h / (y1 - y0));
-    const to = ([x, y]: Point): Point => [w / 2 + k * (x - (x0 + x1) / 2), h / 2 - k * (y - (y0 + y1) / 2)];
-    this.drawGrid(g, k, w, h, to);
-    for (const layer of this.layers) this.drawLayer(g, layer, to);
+    g.drawImage(this.still, 0, 0, w, h);
+    for (const layer of this.layers) this.drawMoving(g, layer, to);
   }
 
   private drawGrid(g: CanvasRenderingContext2D, k: number, w: number, h: number, to: (p: Point) => Point): void {
@@ -189,51 +217,42 @@ export class TopView {
     g.stroke();
   }
 
-  private drawLayer(g: CanvasRenderingContext2D, layer: Layer, to: (p: Point) => Point): void {
-    const many = this.layers.length > 1;
-    const shape = (points: Point[], close: boolean): void => {
-      g.beginPath();
-      points.forEach((p, i) => (i === 0 ? g.moveTo(...to(p)) : g.lineTo(...to(p))));
-      if (close) g.closePath();
-    };
-    const time = layer.at(this.clock.time);
+  private drawPaths(g: CanvasRenderingContext2D, layer: Layer, to: (p: Point) => Point): void {
     if (layer === this.layers[0]) {
       g.fillStyle = colour("--wall");
       for (const wall of layer.walls) {
-        shape(wall, true);
+        trace(g, wall.map(to), true);
         g.fill();
       }
     }
-    g.fillStyle = many ? colour(layer.tint) : colour("--leaf");
-    for (const leaf of layer.leafAt(time)) {
-      shape(leaf, true);
-      g.fill();
-    }
     g.lineWidth = 1.6;
     g.strokeStyle = colour(layer.tint);
-    shape(layer.path("base"), false);
+    trace(g, layer.path("base").map(to), false);
     g.stroke();
-    if (!many) {
-      g.strokeStyle = colour("--c2");
-      shape(layer.path("hand"), false);
-      g.stroke();
-    }
-    this.drawRobot(g, layer, time, shape, to);
+    if (this.layers.length > 1) return;
+    g.strokeStyle = colour("--c2");
+    trace(g, layer.path("hand").map(to), false);
+    g.stroke();
   }
 
-  private drawRobot(
-    g: CanvasRenderingContext2D,
-    layer: Layer,
-    time: number,
-    shape: (points: Point[], close: boolean) => void,
-    to: (p: Point) => Point,
-  ): void {
+  private drawMoving(g: CanvasRenderingContext2D, layer: Layer, to: (p: Point) => Point): void {
+    const time = layer.at(this.clock.time);
+    g.fillStyle = colour(this.layers.length > 1 ? layer.tint : "--leaf");
+    for (const leaf of layer.leafAt(time)) {
+      trace(g, leaf.map(to), true);
+      g.fill();
+    }
+    this.drawRobot(g, layer, time, to);
+  }
+
+  private drawRobot(g: CanvasRenderingContext2D, layer: Layer, time: number, to: (p: Point) => Point): void {
+    g.lineWidth = 1.6;
     const ends = this.layers.length > 1 ? [time] : [layer.run.start, layer.run.end, time];
     for (const t of ends) {
       const foot = layer.foot(t);
       if (foot === null) continue;
       const now = t === time;
-      shape(foot, true);
+      trace(g, foot.map(to), true);
       g.strokeStyle = g.fillStyle = colour(layer.tint);
       g.globalAlpha = now ? 0.22 : 0.06;
       g.fill();
@@ -241,12 +260,12 @@ export class TopView {
       g.stroke();
       const middle: Point = [(foot[1][0] + foot[2][0]) / 2, (foot[1][1] + foot[2][1]) / 2];
       const axle: Point = [layer.run.between("base_x", t), layer.run.between("base_y", t)];
-      shape([axle, middle], false);
+      trace(g, [axle, middle].map(to), false);
       g.stroke();
       const hand: Point = [layer.run.between("hand_x", t), layer.run.between("hand_y", t)];
       if (now && Number.isFinite(hand[0] + hand[1])) {
         g.strokeStyle = g.fillStyle = colour("--c2");
-        shape([axle, hand], false);
+        trace(g, [axle, hand].map(to), false);
         g.stroke();
         g.beginPath();
         g.arc(...to(hand), 4, 0, 7);

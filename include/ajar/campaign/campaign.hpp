@@ -85,4 +85,11 @@ using RunFunction = std::function<RunResult(const Scenario&, const RunOptions&)>
 /// @throws ConfigError, IoError
 [[nodiscard]] CampaignSummary run_campaign(const Campaign& campaign, const RunFunction& run, const CampaignOptions& options);
 
+/// Where the folder of run `index` stands in a campaign's folder.
+[[nodiscard]] std::filesystem::path run_folder(const std::filesystem::path& out, int index);
+
+/// Makes one run of a campaign again from its seed; the same bytes as when the campaign made it.
+/// @throws ConfigError, IoError, and as `run` does
+RunResult replay_run(const Campaign& campaign, int index, const RunFunction& run, RunOptions options);
+
 }  // namespace ajar

@@ -48,10 +48,13 @@ struct RunProgress {
   const MissionRecord* record = nullptr;
 };
 
+struct TickView;
+
 struct RunOptions {
   std::filesystem::path folder;                      ///< Run folder; empty = no files
   bool report = true;                                ///< Makes report.html
   const std::atomic<bool>* stop = nullptr;           ///< Becomes true: the robot stops safely, the run ends
+  std::function<void(const TickView&)> observe;      ///< Called in every tick between decision and action; must be quick
   std::function<void(const RunProgress&)> progress;  ///< Called every `progress_period`
   double progress_period = 0.1;                      ///< [s], simulated
 };

@@ -39,7 +39,7 @@ struct CampaignSummary {
 
 [[nodiscard]] std::string to_json(const CampaignSummary& summary);
 
-/// The same as a table for people.
+/// The same for people, on one screen: what summary.json has of the groups is left out.
 [[nodiscard]] std::string format_summary(const CampaignSummary& summary);
 
 }  // namespace ajar
