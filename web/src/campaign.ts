@@ -65,7 +65,18 @@ export function wilson(good: number, all: number): [number, number] {
   return [Math.max(0, middle - half), Math.min(1, middle + half)];
 }
 
-export function quantile(sorted: number[], share: number): number {
+/** Finite values of a column in rising order. */
+export function sortedValues(campaign: Campaign, column: string, rows: number[]): Float32Array {
+  const values = new Float32Array(rows.length);
+  let count = 0;
+  for (const row of rows) {
+    const v = campaign.number(column, row);
+    if (Number.isFinite(v)) values[count++] = v;
+  }
+  return values.subarray(0, count).sort();
+}
+
+export function quantile(sorted: ArrayLike<number>, share: number): number {
   if (sorted.length === 0) return NaN;
   const at = share * (sorted.length - 1);
   const low = Math.floor(at);

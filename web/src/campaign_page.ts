@@ -1,5 +1,5 @@
 /** The page of a campaign: what came of all runs, by what it depends, and every single one to look at. */
-import { quantile, wilson, type Campaign } from "./campaign";
+import { quantile, sortedValues, wilson, type Campaign } from "./campaign";
 import { histogramCard, readable, successCard } from "./charts";
 import { button, el } from "./dom";
 import { figure, quantity } from "./format";
@@ -51,10 +51,7 @@ function summary(campaign: Campaign, rows: number[]): HTMLElement {
   tile("opened without contact", rows.length > 0 ? quantity((100 * clean) / rows.length, "%", 1) : "–");
   for (const column of ["peak_normal_force_free_N", "open_duration_s", "direction_error_20cm_rad"]) {
     const { label, scale, unit } = readable(column);
-    const sorted = rows
-      .map((r) => scale(campaign.number(column, r)))
-      .filter(Number.isFinite)
-      .sort((a, b) => a - b);
+    const sorted = sortedValues(campaign, column, rows).map(scale);
     tile(`${label}, p90`, quantity(quantile(sorted, 0.9), unit, 1));
   }
   return list;

@@ -1,5 +1,5 @@
 /** Bars of a campaign: success by what was drawn, distributions of what came out. */
-import { quantile, wilson, type Campaign } from "./campaign";
+import { quantile, sortedValues, wilson, type Campaign } from "./campaign";
 import { el } from "./dom";
 import { degrees, figure, quantity } from "./format";
 
@@ -30,21 +30,29 @@ interface Bin {
   all: number;
 }
 
+/** The different values if there are few enough for a bar each, else null. */
+function fewValues(sorted: Float32Array): number[] | null {
+  const different: number[] = [];
+  for (const v of sorted) {
+    if (v === different.at(-1)) continue;
+    different.push(v);
+    if (different.length > BINS) return null;
+  }
+  return different;
+}
+
 function numberBins(campaign: Campaign, column: string, rows: number[]): Bin[] {
-  const values = rows.map((r) => campaign.number(column, r));
-  const sorted = values.filter(Number.isFinite).sort((a, b) => a - b);
+  const sorted = sortedValues(campaign, column, rows);
   if (sorted.length === 0 || sorted[0] === sorted[sorted.length - 1]) return [];
-  const different = [...new Set(sorted.slice(0, 2000))];
-  const edges =
-    different.length <= BINS && new Set(sorted).size <= BINS
-      ? [...new Set(sorted), Infinity]
-      : [...new Set(Array.from({ length: BINS + 1 }, (_, i) => quantile(sorted, i / BINS)))];
+  const few = fewValues(sorted);
+  const edges = few ?? [...new Set(Array.from({ length: BINS + 1 }, (_, i) => quantile(sorted, i / BINS)))];
+  if (few !== null) edges.push(Infinity);
   const { scale, unit } = readable(column);
   const bins: Bin[] = [];
   for (let b = 0; b + 1 < edges.length; ++b) {
     const [low, high] = [edges[b], edges[b + 1]];
     const last = b + 2 === edges.length;
-    const single = high === Infinity || new Set(sorted).size <= BINS;
+    const single = few !== null;
     const label = single ? quantity(scale(low), unit) : `${figure(scale(low))} to ${quantity(scale(high), unit)}`;
     bins.push({
       label,
@@ -53,14 +61,14 @@ function numberBins(campaign: Campaign, column: string, rows: number[]): Bin[] {
       all: 0,
     });
   }
-  rows.forEach((row, i) => {
-    const v = values[i];
-    if (!Number.isFinite(v)) return;
+  for (const row of rows) {
+    const v = campaign.number(column, row);
+    if (!Number.isFinite(v)) continue;
     let b = bins.length - 1;
     while (b > 0 && v < edges[b]) --b;
     bins[b].all += 1;
     if (campaign.opened(row)) bins[b].good += 1;
-  });
+  }
   return bins;
 }
 
@@ -108,8 +116,7 @@ const digitsFor = (size: number): number => (size < 0.05 ? 4 : size < 1 ? 3 : si
 /** How often which value came out, opened runs and others on top of each other; values beyond p99 share the last bar. */
 export function histogramCard(campaign: Campaign, column: string, rows: number[]): HTMLElement | null {
   const { label, scale, unit } = readable(column);
-  const values = rows.map((r) => scale(campaign.number(column, r)));
-  const sorted = values.filter(Number.isFinite).sort((a, b) => a - b);
+  const sorted = sortedValues(campaign, column, rows).map(scale);
   if (sorted.length < 2) return null;
   const low = Math.min(0, sorted[0]);
   const high = quantile(sorted, 0.99) || sorted[sorted.length - 1] || 1;
@@ -117,11 +124,12 @@ export function histogramCard(campaign: Campaign, column: string, rows: number[]
   const digits = digitsFor(high);
   const good = new Array<number>(count).fill(0);
   const bad = new Array<number>(count).fill(0);
-  values.forEach((v, i) => {
-    if (!Number.isFinite(v)) return;
+  for (const row of rows) {
+    const v = scale(campaign.number(column, row));
+    if (!Number.isFinite(v)) continue;
     const bin = Math.min(count - 1, Math.max(0, Math.floor((count * (v - low)) / (high - low || 1))));
-    (campaign.opened(rows[i]) ? good : bad)[bin] += 1;
-  });
+    (campaign.opened(row) ? good : bad)[bin] += 1;
+  }
   const most = Math.max(...good.map((g, i) => g + bad[i]));
   const bars = el("div", { class: "bars" });
   for (let i = 0; i < count; ++i) {

@@ -75,11 +75,11 @@ class Sharpness {
     const passed = (now - this.before) / 1000;
     this.before = now;
     if (!playing) this.share = 1;
-    else if (passed < 0.5) {
-      this.between += 0.2 * (passed - this.between);
-      if (++this.frames % 8 !== 0) return false;
+    else {
+      this.between += 0.3 * (Math.min(0.1, passed) - this.between);
+      if (++this.frames % 4 !== 0) return false;
       // Between 36 and 50 pictures a second nothing changes.
-      if (this.between > 1 / 36) this.share = Math.max(0.3, 0.8 * this.share);
+      if (this.between > 1 / 36) this.share = Math.max(0.5, 0.8 * this.share);
       else if (this.between < 1 / 50) this.share = Math.min(1, 1.1 * this.share);
     }
     return this.share !== old;
