@@ -14,5 +14,10 @@ export default tseslint.config(
       "no-restricted-properties": ["error", { property: "innerHTML", message: "Values from files must stay text." }],
     },
   },
+  {
+    files: ["*.js"],
+    ...tseslint.configs.disableTypeChecked,
+    languageOptions: { globals: { process: "readonly", Event: "readonly" } },
+  },
   { files: ["tests/**"], rules: { "max-lines-per-function": "off" } },
 );

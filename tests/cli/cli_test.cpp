@@ -90,7 +90,7 @@ const std::string kDoor =
 TEST_F(Program, HelpNamesEveryCommandAndTheExitCodes) {
   const Output output = run({"--help"});
   EXPECT_EQ(output.exit_code, 0);
-  for (const char* const word : {"run", "campaign", "validate", "report", "Exit codes"})
+  for (const char* const word : {"run", "campaign", "validate", "report", "view", "Exit codes"})
     EXPECT_NE(output.out.find(word), std::string::npos) << word;
   EXPECT_EQ(run({"run", "--help"}).exit_code, 0);
 }
@@ -209,6 +209,23 @@ TEST_F(Program, ACampaignLeavesOneRowPerRun) {
   const std::string rows = text_of(folder_ / "c/runs.csv");
   EXPECT_EQ(std::count(rows.begin(), rows.end(), '\n'), 3) << rows;
   EXPECT_TRUE(fs::exists(folder_ / "c/summary.json"));
+}
+
+TEST_F(Program, RefusesToShowWhatIsNoRun) {
+  expect_refused({"report", "nowhere"}, "nowhere: no such folder");
+  expect_refused({"view"}, "FOLDER");
+  expect_refused({"view", "nowhere"}, "nowhere: no such folder");
+  expect_refused({"view", "--live"}, "runs: no run goes on here");
+  expect_refused({"run", "a.toml", "--speed", "2"}, "--live");
+}
+
+TEST_F(Program, ReportsSayWhichFileIsNoLog) {
+  fs::create_directories(folder_ / "foreign");
+  write("foreign/log.csv", "a,b\n1,2\n");
+  const Output output = run({"report", "foreign"});
+  EXPECT_EQ(output.exit_code, 2);
+  EXPECT_EQ(output.err, "ajar: foreign/log.csv:1: not a log of a run: columns time and phase are needed\n");
+  EXPECT_FALSE(fs::exists(folder_ / "foreign/report.html"));
 }
 
 TEST_F(Program, RefusesBadCampaignsInOneLine) {
