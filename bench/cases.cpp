@@ -1,5 +1,6 @@
 // What is measured: the steps of one control tick alone, and the whole tick while a door opens.
 #include <cmath>
+#include <eiquadprog/eiquadprog-rt.hpp>
 #include <optional>
 
 #include "bench.hpp"
@@ -10,6 +11,7 @@
 #include "ajar/mechanism/builders.hpp"
 #include "ajar/mission/mission.hpp"
 #include "ajar/plant/kinematic_plant.hpp"
+#include "ajar/wbc/task_qp.hpp"
 
 namespace ajar::bench {
 namespace {
@@ -87,6 +89,64 @@ class WbcCase : public ClearanceCase {
   WbcProblem problem_;
   WbcSolution solution_;
   WbcStatus status_ = WbcStatus::Ok;
+};
+
+/// The QP alone with tight limits, posed anew for every step: nothing to guess from the last one.
+class OwnQpCase : public Posed {
+ public:
+  OwnQpCase() {
+    qp_.tasks = 6;
+    qp_.task_weight.setConstant(1e4);
+    qp_.lower.head<8>().setConstant(-0.3);
+    qp_.upper.head<8>().setConstant(0.3);
+    qp_.upper[8] = 1.0;
+  }
+  void prepare() override {
+    Posed::prepare();
+    robot_.compute(base_, q_, kinematics_);
+    Vector6d twist;
+    twist << 0.1 * random_.direction(), 0.1 * random_.direction();
+    qp_.A.topLeftCorner<6, 8>() = kinematics_.J;
+    qp_.A.col(8).head<6>() = -twist;
+    qp_.wanted[8] = 1.0;
+    qp_.wanted.segment<2>(6) << random_.uniform(-0.3, 0.3), random_.uniform(-0.2, 0.2);
+  }
+  void step() override { status_ = solver_.solve(qp_, solution_); }
+
+ protected:
+  QpProblem qp_;
+
+ private:
+  TaskQp solver_;
+  QpSolution solution_;
+  QpStatus status_ = QpStatus::Solved;
+};
+
+/// The same problems by eiquadprog: nine variables, eighteen bounds, the cost as a dense matrix.
+class EiquadprogCase : public OwnQpCase {
+ public:
+  void prepare() override {
+    OwnQpCase::prepare();
+    const auto A = qp_.A.topLeftCorner<6, 9>();
+    H_ = 1e4 * A.transpose() * A;
+    H_.diagonal() += qp_.weight.head<9>();
+    g_ = -qp_.weight.head<9>().cwiseProduct(qp_.wanted.head<9>());
+    G_.topRows<9>().setIdentity();
+    G_.bottomRows<9>() = -G_.topRows<9>();
+    h_ << -qp_.lower.head<9>(), qp_.upper.head<9>();
+  }
+  void step() override { status_ = solver_.solve_quadprog(H_, g_, E_, e_, G_, h_, x_); }
+
+ private:
+  eiquadprog::solvers::RtEiquadprog<9, 0, 18> solver_;
+  RtMatrixX<9, 9>::d H_;
+  RtVectorX<9>::d g_;
+  RtVectorX<9>::d x_;
+  RtMatrixX<0, 9>::d E_;
+  RtVectorX<0>::d e_;
+  RtMatrixX<18, 9>::d G_;
+  RtVectorX<18>::d h_;
+  eiquadprog::solvers::RtEiquadprog_status status_ = eiquadprog::solvers::RT_EIQUADPROG_OPTIMAL;
 };
 
 /// A hinge of 0.8 m at 0.1 m/s, noisy poses; starts again after every quarter turn.
@@ -179,6 +239,8 @@ std::vector<CaseInfo> all_cases() {
   return {{"kinematics", "Heron: hand pose, 6x8 Jacobian, distance", 20000, make<KinematicsCase>},
           {"clearance", "Heron with wall and leaf", 10000, make<ClearanceCase>},
           {"qp_with_rows", "QP, 8 inputs, distance rows of that scene", 20000, make<WbcCase>},
+          {"qp_cold", "QP alone, 9 variables, random, tight", 20000, make<OwnQpCase>},
+          {"qp_eiquadprog", "the same QPs by eiquadprog", 20000, make<EiquadprogCase>},
           {"estimator", "hinge r 0.8 m, one pose", 20000, make<EstimatorCase>},
           {"mission_tick", "kinematic plant, phase open", 10000, make<MissionCase>},
           {"choice", "grasp and base pose, once per mission", 10, make<ChoiceCase>}};

@@ -65,10 +65,11 @@ WbcConfig limits_as_config(const PathProblem& problem) {
   config.base_yaw_rate = limits[6];
   config.base_forward = config.base_reverse = limits[7];
   config.base_share = 1.0;  // this base follows at once
-  // The cost that the others have: radians count as metres, all secondary wishes 1e-4 of the hand.
+  // The cost that the others have: radians count as metres, all secondary wishes alike.
   config.length = 1.0;
-  config.hand_weight = 1e4;
   config.base_speed_weight = config.base_turn_weight = 1.0;
+  config.speed_weight = 1e4;  // nothing but a limit slows the hand, and nothing but all limits together move it off its path
+  config.hand_weight = 1e8;
   config.rate_weight = limits[0] * limits[0];
   config.base_acceleration = problem.robot().limits().base_acceleration;
   config.base_yaw_acceleration = problem.robot().limits().base_yaw_acceleration;

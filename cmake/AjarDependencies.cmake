@@ -8,7 +8,6 @@ find_package(Eigen3 3.4 REQUIRED NO_MODULE)
 find_package(coal 3 REQUIRED)
 find_package(pinocchio 4 REQUIRED)
 find_package(console_bridge REQUIRED)  # the URDF parser reports its errors through it
-find_package(eiquadprog REQUIRED)
 find_package(MuJoCo 4 REQUIRED)
 find_package(tomlplusplus REQUIRED)
 find_package(CLI11 REQUIRED)
@@ -19,6 +18,9 @@ find_package(Threads REQUIRED)
 find_package(ZLIB REQUIRED)
 find_package(PkgConfig REQUIRED)
 pkg_check_modules(httplib REQUIRED IMPORTED_TARGET cpp-httplib)  # of the program alone, not of the libraries
+if(AJAR_BUILD_TESTS OR AJAR_BUILD_BENCH)
+  find_package(eiquadprog REQUIRED)  # referee of our own solver
+endif()
 if(AJAR_BUILD_TESTS)
   find_package(GTest REQUIRED)
 endif()

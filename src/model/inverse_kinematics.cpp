@@ -22,6 +22,15 @@ constexpr double kDamping = 1e-4;     // λ², corresponds to a singular value o
 constexpr int kPatience = 12;         // Iterations after which the error must have fallen ...
 constexpr double kProgress = 0.5;     // ... to this part of its value, else the start leads nowhere
 
+// One step of shifted inverse iteration for σ_min: how far it may fall in a tick (share and absolute), which Cholesky
+// proves, and how far above that floor the result may lie.
+constexpr double kFallRelative = 0.05;
+constexpr double kFallAbsolute = 1e-3;
+constexpr double kRiseRelative = 0.06;
+constexpr double kRiseAbsolute = 2e-3;
+// Keeps the product of a singular arm regular.
+constexpr double kSingularShift = 1e-15;
+
 bool inside(const RobotLimits& limits, const JointVector& q) {
   return (q.array() >= limits.position_lower.array()).all() && (q.array() <= limits.position_upper.array()).all();
 }
@@ -112,18 +121,58 @@ bool RobotModel::solve_ik(const BasePose& base, const Pose& X_WE, JointVector& q
   return true;
 }
 
-double arm_sigma_min(const Kinematics& kinematics, double length) noexcept {
-  const Eigen::Index n = kinematics.J.cols() - 2;
-  if (n < 1 || !kinematics.J.allFinite()) {
-    return 0.0;
-  }
+namespace {
+
+using GramFactor = Eigen::Matrix<double, 6, kMaxJoints>;
+
+// S J_a with rotation rows scaled by L, or its transpose where the arm has fewer than six joints; the rest is zero.
+GramFactor scaled_arm(const Kinematics& kinematics, double length, Eigen::Index n) {
+  GramFactor A = GramFactor::Zero();
   Vector6d scale;
   scale << 1.0, 1.0, 1.0, length, length, length;
-  const Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, kMaxJoints> J = scale.asDiagonal() * kinematics.J.leftCols(n);
-  const Matrix6d A = J.lazyProduct(J.transpose());
-  const Eigen::SelfAdjointEigenSolver<Matrix6d> solver(A, Eigen::EigenvaluesOnly);
-  const Eigen::Index smallest = std::max<Eigen::Index>(0, 6 - n);  // fewer joints than rows leave 6 - n zeros
-  return std::sqrt(std::max(0.0, solver.eigenvalues()[smallest]));
+  if (n >= 6) {
+    A.leftCols(n) = scale.asDiagonal() * kinematics.J.leftCols(n);
+  } else {
+    A.topLeftCorner(n, 6) = kinematics.J.leftCols(n).transpose() * scale.asDiagonal();
+  }
+  return A;
+}
+
+}  // namespace
+
+double arm_sigma_min(const Kinematics& kinematics, double length) noexcept {
+  SigmaTrack track;
+  return arm_sigma_min(kinematics, length, track);
+}
+
+double arm_sigma_min(const Kinematics& kinematics, double length, SigmaTrack& track) noexcept {
+  const Eigen::Index n = kinematics.J.cols() - 2;
+  if (n < 1 || !std::isfinite(kinematics.J.sum())) {
+    track = {};
+    return 0.0;
+  }
+  const GramFactor A = scaled_arm(kinematics, length, n);
+  Matrix6d product = A.lazyProduct(A.transpose());
+  if (n < 6) {
+    product.diagonal().tail(6 - n).setConstant(product.trace() + 1.0);  // rows that do not exist
+  }
+  if (track.direction.squaredNorm() > 0.5) {
+    const double floor = std::max(0.0, (1.0 - kFallRelative) * std::sqrt(track.square) - kFallAbsolute);
+    Matrix6d shifted = product;
+    shifted.diagonal().array() -= floor * floor - kSingularShift * product.trace();
+    const Eigen::LLT<Matrix6d> factor(shifted);
+    const Vector6d v = factor.solve(track.direction).normalized();
+    const double square = (A.transpose() * v).squaredNorm();
+    const double sigma = std::sqrt(square);
+    if (factor.info() == Eigen::Success && sigma - floor <= kRiseRelative * sigma + kRiseAbsolute) {
+      track = {v, square};
+      return sigma;
+    }
+  }
+  const Eigen::SelfAdjointEigenSolver<Matrix6d> solver(product);
+  track.direction = solver.eigenvectors().col(0);
+  track.square = std::max(0.0, solver.eigenvalues()[0]);
+  return std::sqrt(track.square);
 }
 
 }  // namespace ajar

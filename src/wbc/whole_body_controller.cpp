@@ -4,16 +4,14 @@
 #include <cmath>
 #include <limits>
 
-#include "ajar/wbc/dense_qp.hpp"
 #include "ajar/wbc/input_limits.hpp"
+#include "ajar/wbc/task_qp.hpp"
 
 namespace ajar {
 namespace {
 
 constexpr int kSpeedFactor = kMaxInputs;
 constexpr int kSlack = kMaxInputs + 1;
-// Hand rows: six of the twist and one weak row about a free axis.
-constexpr int kTaskRows = 7;
 // A quarter of the start speed 20 mm/s: the force law answers it with less than 2 N (v/α at α = 3e-3).
 constexpr double kMissedSpeed = 5e-3;
 // The rate and base terms hold s a few percent below 1 without any limit.
@@ -26,8 +24,6 @@ constexpr double kWheelRoom = 1e-9;
 constexpr double kClearanceScale = 0.1;
 // On a straight way the turning weight grows by this: clearances are then kept by slowing down and not by turning away.
 constexpr double kHeadingWeight = 100.0;
-// Keeps the QP strictly convex where a column vanishes.
-constexpr double kRegularisation = 1e-9;
 
 bool is_usable(const ClearanceRow& row, int joints) {
   return row.row.size() == joints + 2 && row.row.allFinite() && std::isfinite(row.distance) && row.normal.allFinite() &&
@@ -77,18 +73,24 @@ struct WholeBodyController::Impl {
   Impl(const RobotModel& model, const WbcConfig& wbc, double period)
       : config(wbc), limits(make_input_limits(model, wbc, period)), n(limits.joints) {
     last = InputVector::Zero(n + 2);
-    scaled_slack = 1.0 / std::sqrt(config.slack_weight);
+    inverse_square_limit = limits.speed_upper.head(n).cwiseMax(1e-3).array().square().inverse();
+    qp.weight[n + 1] = config.base_speed_weight;
+    qp.weight[kSpeedFactor] = config.speed_weight;
+    qp.wanted[kSpeedFactor] = 1.0;
+    qp.upper[kSpeedFactor] = 1.0;
+    qp.weight[kSlack] = config.slack_weight;
   }
 
   WbcConfig config;
   InputLimits limits;
   int n;
-  double scaled_slack = 1.0;
+  JointVector inverse_square_limit;
   InputVector last;
+  SigmaTrack sigma_track;
   InputBounds bounds;
   QpProblem qp;
   QpSolution answer;
-  DenseQp solver;
+  TaskQp solver;
   std::array<double, kQpRows> row_scale{};
   int clearance_rows = 0;
 
@@ -101,74 +103,68 @@ struct WholeBodyController::Impl {
   [[nodiscard]] BindingLimit binding_limit() const;
 };
 
-// min w_t |S (J_a q̇ + J_b (ρ u_b + (1 - ρ) u_b,measured) - s V_t - V_c)|², rows about a free axis exchanged.
+// Rows S (J_a q̇ + J_b (ρ u_b + (1 - ρ) u_b,measured) - s V_t - V_c), those about a free axis exchanged.
 void WholeBodyController::Impl::add_task(const WbcProblem& problem) {
   const HandJacobian& J = problem.kinematics->J;
   const double share = config.base_share;
-  Eigen::Matrix<double, kTaskRows, kQpVariables> A = Eigen::Matrix<double, kTaskRows, kQpVariables>::Zero();
-  Eigen::Matrix<double, kTaskRows, 1> b = Eigen::Matrix<double, kTaskRows, 1>::Zero();
-  A.block(0, 0, 6, n) = J.leftCols(n);
+  auto& A = qp.A;
+  auto& b = qp.b;
   // The rest of the base motion happens whatever is commanded now: measured, bounded against wild readings.
   const Vector2d measured =
       problem.measured.tail<2>().cwiseMax(2.0 * limits.speed_lower.tail<2>()).cwiseMin(2.0 * limits.speed_upper.tail<2>());
+  A.block(0, 0, 6, n) = J.leftCols(n);
   A.block(0, n, 6, 2) = share * J.rightCols(2);
   A.col(kSpeedFactor).head<6>() = -problem.tangential;
   b.head<6>() = problem.correction - (1.0 - share) * (J.rightCols(2) * measured);
   A.middleRows<3>(3) *= config.length;
   b.segment<3>(3) *= config.length;
-  Eigen::Matrix<double, kTaskRows, 1> weight = Eigen::Matrix<double, kTaskRows, 1>::Constant(config.hand_weight);
-  weight[6] = 0.0;
+  qp.tasks = 6;
   const double axis_length = problem.free_axis.norm();
-  if (axis_length > 0.5) {
-    const Vector3d axis = problem.free_axis / axis_length;
-    const Vector3d drift = (1.0 - share) * (J.bottomRightCorner<3, 2>() * measured);
-    A.row(6) = axis.transpose() * A.middleRows<3>(3);
-    A(6, kSpeedFactor) = 0.0;
-    b[6] = config.length * (problem.free_axis_rate - axis.dot(drift));
-    weight[6] = config.free_axis_weight;
-    const Matrix3d P = Matrix3d::Identity() - axis * axis.transpose();
-    A.middleRows<3>(3) = (P * A.middleRows<3>(3)).eval();
-    b.segment<3>(3) = (P * b.segment<3>(3)).eval();
+  if (axis_length <= 0.5) {
+    return;
   }
-  const Eigen::Matrix<double, kTaskRows, kQpVariables> weighted = weight.asDiagonal() * A;
-  qp.H.noalias() = A.transpose().lazyProduct(weighted);
-  qp.g.noalias() = -weighted.transpose().lazyProduct(b);
+  const Vector3d axis = problem.free_axis / axis_length;
+  const Vector3d drift = (1.0 - share) * (J.bottomRightCorner<3, 2>() * measured);
+  A.row(6) = axis.transpose() * A.middleRows<3>(3);
+  A(6, kSpeedFactor) = 0.0;
+  b[6] = config.length * (problem.free_axis_rate - axis.dot(drift));
+  qp.tasks = config.free_axis_weight > 0.0 ? 7 : 6;
+  const Matrix3d P = Matrix3d::Identity() - axis * axis.transpose();
+  A.middleRows<3>(3) = (P * A.middleRows<3>(3)).eval();
+  b.segment<3>(3) = (P * b.segment<3>(3)).eval();
 }
 
+// The hand's rows outweigh all others; near a singular arm the joints are spared, at the cost of the base.
 void WholeBodyController::Impl::build_cost(const WbcProblem& problem, double sigma_min) {
   add_task(problem);
   const double nearness = std::max(0.0, 1.0 - sigma_min / config.singular_onset);
-  const double rate_weight = config.rate_weight + config.singular_damping * nearness * nearness;
+  const double softness = nearness * nearness;
+  qp.task_weight.setConstant(config.hand_weight);
+  qp.task_weight[6] = config.free_axis_weight;
+  const double rate_weight = config.rate_weight + config.singular_damping * softness;
   for (int i = 0; i < n; ++i) {
-    const double limit = std::max(limits.speed_upper[i], 1e-3);
-    const double weight = rate_weight / (limit * limit);
-    qp.H(i, i) += weight;
-    if (problem.rates.size() > 0) {
-      qp.g[i] -= weight * std::clamp(problem.rates[i], limits.speed_lower[i], limits.speed_upper[i]);
-    }
+    qp.weight[i] = rate_weight * inverse_square_limit[i];
+    qp.wanted[i] = problem.rates.size() == 0 ? 0.0 : problem.rates[i] * config.rate_weight / rate_weight;
   }
-  const double turn_weight = config.base_turn_weight * (problem.keep_heading ? kHeadingWeight : 1.0);
-  qp.H(n, n) += turn_weight;
-  qp.g[n] -= turn_weight * problem.base.w;
-  qp.H(n + 1, n + 1) += config.base_speed_weight;
-  qp.g[n + 1] -= config.base_speed_weight * problem.base.v;
-  qp.H(kSpeedFactor, kSpeedFactor) += config.speed_weight;
-  qp.g[kSpeedFactor] -= config.speed_weight;
-  qp.H(kSlack, kSlack) += 1.0;  // the slack is scaled by the root of its weight
-  qp.H.diagonal().array() += kRegularisation;
+  qp.weight[n] = config.base_turn_weight * (problem.keep_heading ? kHeadingWeight : 1.0);
+  qp.wanted[n] = problem.base.w;
+  qp.wanted[n + 1] = problem.base.v;
 }
 
 void WholeBodyController::Impl::build_bounds(const WbcProblem& problem) {
   bounds = input_bounds(limits, *problem.q, last, problem.base_fixed);
-  qp.lower.setZero();
-  qp.upper.setZero();
   qp.lower.head(n + 2) = bounds.lower;
   qp.upper.head(n + 2) = bounds.upper;
-  qp.upper[kSpeedFactor] = 1.0;
-  qp.C.setZero();
+  qp.upper[kSlack] = 0.0;
+  // The slowest motion that the bounds allow meets them all; the base's share of it must also suit the wheels.
+  qp.start.head(n + 2) = bounds.lower.cwiseMax(0.0).cwiseMin(bounds.upper);
+  qp.start[kSlack] = 0.0;
   qp.rows = 0;
   clearance_rows = 0;
   if (limits.base_moves) {
+    InputVector start = qp.start.head(n + 2);
+    limit_wheels(limits, start);
+    qp.start.head(n + 2) = start;
     add_wheel_rows();
   }
   if (problem.clearance != nullptr) {
@@ -180,6 +176,7 @@ void WholeBodyController::Impl::build_bounds(const WbcProblem& problem) {
 void WholeBodyController::Impl::add_wheel_rows() {
   for (const double side : {-1.0, 1.0}) {
     for (const double sign : {-1.0, 1.0}) {
+      qp.C.row(qp.rows).setZero();
       qp.C(qp.rows, n) = sign * side * limits.half_track;
       qp.C(qp.rows, n + 1) = sign;
       qp.c[qp.rows] = -limits.wheel_reach - kWheelRoom;
@@ -195,13 +192,15 @@ void WholeBodyController::Impl::add_clearance_rows(const WbcProblem& problem) {
   const int count = std::clamp(problem.clearance->count, 0, kMaxClearanceRows);
   for (int i = 0; i < count; ++i) {
     const ClearanceRow& row = problem.clearance->rows[static_cast<size_t>(i)];
+    qp.C.row(qp.rows).setZero();
     qp.C.row(qp.rows).head(n + 2) = row.row;
     if (row.obstacle >= 0 && row.obstacle == problem.leaf_obstacle) {
       const Vector3d v_leaf = problem.leaf_velocity_at_hand + problem.leaf_turn.cross(row.point_on_obstacle - hand);
       qp.C(qp.rows, kSpeedFactor) = -row.normal.dot(v_leaf);
     }
-    qp.C(qp.rows, kSlack) = scaled_slack;
+    qp.C(qp.rows, kSlack) = 1.0;
     qp.c[qp.rows] = least_rate(row, problem.clearance_config);
+    qp.start[kSlack] = std::max(qp.start[kSlack], qp.c[qp.rows] - row.row.dot(qp.start.head(n + 2)));
     row_scale[static_cast<size_t>(qp.rows)] = kClearanceScale;
     ++qp.rows;
     ++clearance_rows;
@@ -244,7 +243,7 @@ void WholeBodyController::Impl::read(const WbcProblem& problem, WbcSolution& out
   out.u = answer.x.head(n + 2).cwiseMax(bounds.lower).cwiseMin(bounds.upper);
   limit_wheels(limits, out.u);
   out.speed_factor = std::clamp(answer.x[kSpeedFactor], 0.0, 1.0);
-  out.slack = std::max(0.0, answer.x[kSlack] * scaled_slack);
+  out.slack = std::max(0.0, answer.x[kSlack]);
   out.binding = binding_limit();
   const HandJacobian& J = problem.kinematics->J;
   const Vector2d base = config.base_share * out.u.tail<2>() + (1.0 - config.base_share) * problem.measured.tail<2>();
@@ -266,11 +265,13 @@ WholeBodyController::WholeBodyController(const RobotModel& model, const WbcConfi
 
 WholeBodyController::~WholeBodyController() = default;
 
-void WholeBodyController::reset() noexcept { impl_->last.setZero(); }
+void WholeBodyController::reset() noexcept { reset(InputVector::Zero(impl_->n + 2)); }
 
 void WholeBodyController::reset(const InputVector& last_command) noexcept {
   const bool usable = last_command.size() == impl_->n + 2 && last_command.allFinite();
   impl_->last = usable ? last_command : InputVector(InputVector::Zero(impl_->n + 2));
+  impl_->solver.forget();
+  impl_->sigma_track = {};
 }
 
 WbcStatus WholeBodyController::solve(const WbcProblem& problem, WbcSolution& out) noexcept {
@@ -279,10 +280,10 @@ WbcStatus WholeBodyController::solve(const WbcProblem& problem, WbcSolution& out
     brake(out);
     return out.status = WbcStatus::Invalid;
   }
-  out.sigma_min = arm_sigma_min(*problem.kinematics, impl.config.length);
+  out.sigma_min = arm_sigma_min(*problem.kinematics, impl.config.length, impl.sigma_track);
   impl.build_cost(problem, std::isfinite(out.sigma_min) ? out.sigma_min : 0.0);
   impl.build_bounds(problem);
-  if (impl.solver.solve(impl.qp, impl.answer) != QpStatus::Solved) {
+  if (impl.solver.solve(impl.qp, impl.answer) == QpStatus::Invalid) {
     brake(out);
     return out.status = WbcStatus::Invalid;
   }

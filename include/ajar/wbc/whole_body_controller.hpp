@@ -9,8 +9,9 @@
 namespace ajar {
 
 struct WbcConfig {
-  double hand_weight = 1e4;         ///< Hand twist rows [-]
-  double speed_weight = 1.0;        ///< Tangential speed factor towards 1 [-]
+  double hand_weight =
+      1e4;  ///< Hand twist rows; 1e8 is exact, 1e4 lets noise of the twist pass by (docs/equations.md#qp) [-]
+  double speed_weight = 1.0;        ///< Tangential speed factor towards 1, below the hand and above the rest [-]
   double base_speed_weight = 20.0;  ///< (v - v_ref)² [s²/m²]
   double base_turn_weight = 1.8;    ///< (ω - ω_ref)² [s²/rad²]
   double rate_weight = 1e-2;        ///< ((q̇_i - wanted) / q̇_max)² [-]
