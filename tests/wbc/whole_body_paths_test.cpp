@@ -1,0 +1,149 @@
+// Strategy: exact integration of the command along straight lines in every direction, arcs of every radius and height, for
+// three robots of different kinds through the same code. The hand must be on the path of the mechanism wherever the run gets
+// to: where limits or reach end it, speed is given up and not the path. Left out: dynamics (tests/mujoco, campaigns).
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <random>
+
+#include "ajar/wbc/input_limits.hpp"
+#include "path_runs.hpp"
+
+namespace ajar {
+namespace {
+
+namespace fs = std::filesystem;
+using test::follow;
+using test::HandPath;
+using test::PathRun;
+
+constexpr double kMillimetre = 1e-3;
+constexpr double kFifthDegree = 0.2 * std::numbers::pi / 180.0;
+
+// Hand level, z ahead, at a height and as far ahead of the base as the arm allows between 0.5 and 0.8 m.
+bool find_posture(const RobotModel& model, double height, JointVector& q) {
+  std::mt19937_64 rng(17);
+  Pose X = Pose::Identity();
+  X.linear() << 0.0, 0.0, 1.0, 0.0, 1.0, 0.0, -1.0, 0.0, 0.0;
+  double best = 0.05;  // a start nearer to singular is no start
+  for (const double ahead : {0.8, 0.7, 0.6, 0.5}) {
+    X.translation() = Vector3d(ahead, 0.0, height);
+    for (int attempt = 0; attempt < 30; ++attempt) {
+      JointVector trial = model.home();
+      for (int i = 0; i < trial.size(); ++i) trial[i] += attempt == 0 ? 0.0 : std::uniform_real_distribution(-1.5, 1.5)(rng);
+      if (!model.solve_ik({}, X, trial)) continue;
+      Kinematics k;
+      model.compute({}, trial, k);
+      if (const double sigma = arm_sigma_min(k); sigma > best) {
+        best = sigma;
+        q = trial;
+      }
+    }
+    if (best > 0.05) return true;
+  }
+  return false;
+}
+
+struct Tally {
+  int runs = 0;
+  int arrived = 0;
+  PathRun worst;
+
+  void add(const PathRun& run, const HandPath& path) {
+    ++runs;
+    arrived += run.arc >= path.length ? 1 : 0;
+    worst.path_error = std::max(worst.path_error, run.path_error);
+    worst.turn_error = std::max(worst.turn_error, run.turn_error);
+    worst.limit_excess = std::max(worst.limit_excess, run.limit_excess);
+    worst.invalid = worst.invalid || run.invalid;
+  }
+  void expect_exact() const {
+    EXPECT_LT(worst.path_error, kMillimetre);
+    EXPECT_LT(worst.turn_error, kFifthDegree);
+    EXPECT_LE(worst.limit_excess, 1e-9);
+    EXPECT_FALSE(worst.invalid);
+    std::printf("%d runs, %d arrived, path error %.4f mm, rotation %.4f mrad\n", runs, arrived, 1e3 * worst.path_error,
+                1e3 * worst.turn_error);
+  }
+};
+
+TEST(WholeBodyPaths, StraightLinesInEveryDirectionStayExact) {
+  const RobotModel model = load_robot("heron");
+  Tally tally;
+  for (const double height : {0.3, 0.5, 0.7, 0.9, 1.1, 1.3, 1.5}) {
+    JointVector q;
+    if (!find_posture(model, height, q)) continue;
+    for (int degrees = 0; degrees <= 180; degrees += 15) {
+      const double a = degrees * std::numbers::pi / 180.0;
+      const HandPath path{Vector3d(std::cos(a), std::sin(a), 0.0), Vector3d::Zero(), 0.5};
+      tally.add(follow(model, {}, q, path, 0.1), path);
+    }
+  }
+  tally.expect_exact();
+  EXPECT_GE(tally.runs, 5 * 13) << "five heights have a posture";
+  EXPECT_GE(tally.arrived, tally.runs * 9 / 10);
+}
+
+TEST(WholeBodyPaths, ArcsOfEveryRadiusStayExact) {
+  const RobotModel model = load_robot("heron");
+  Tally tally;
+  for (const double height : {0.7, 0.9, 1.1, 1.3}) {
+    JointVector q;
+    ASSERT_TRUE(find_posture(model, height, q)) << height;
+    for (const double radius : {0.2, 0.3, 0.5, 0.8, 1.1, 1.5}) {
+      for (const double sense : {-1.0, 1.0}) {
+        const HandPath path{-Vector3d::UnitX(), sense / radius * Vector3d::UnitZ(), 0.5 * std::numbers::pi * radius};
+        tally.add(follow(model, {}, q, path, 0.1), path);
+      }
+    }
+  }
+  tally.expect_exact();
+  EXPECT_GE(tally.arrived, tally.runs * 3 / 4);
+}
+
+// A robot of the wheel example-robot-data; empty where the wheel is not installed.
+fs::path example_urdf(const std::string& inside) {
+  const fs::path library = fs::path(AJAR_SOURCE_DIR) / ".deps/venv/lib";
+  if (!fs::exists(library)) return {};
+  for (const auto& entry : fs::directory_iterator(library)) {
+    const fs::path urdf = entry.path() / "site-packages/cmeel.prefix/share/example-robot-data/robots" / inside;
+    if (fs::exists(urdf)) return urdf;
+  }
+  return {};
+}
+
+enum class Start { Home, Ahead };
+
+void run_other_robot(const std::string& inside, const std::string& toml, Start start, double length) {
+  const fs::path urdf = example_urdf(inside);
+  if (urdf.empty()) {
+    GTEST_SKIP() << "the wheel example-robot-data is not installed in .deps/venv";
+  }
+  const RobotModel model = RobotModel::load(urdf, fs::path(AJAR_SOURCE_DIR) / "tests/support" / toml);
+  JointVector q = model.home();
+  if (start == Start::Ahead) {
+    ASSERT_TRUE(find_posture(model, 0.9, q));
+  }
+  Tally tally;
+  for (int degrees = 0; degrees < 360; degrees += 30) {
+    const double a = degrees * std::numbers::pi / 180.0;
+    const Vector3d x(std::cos(a), std::sin(a), 0.0);
+    for (const double k : {0.0, -2.0, 2.0}) {
+      const HandPath path{x, k * Vector3d::UnitZ(), length};
+      tally.add(follow(model, {}, q, path, 0.05), path);
+    }
+  }
+  tally.expect_exact();
+  EXPECT_GE(tally.arrived, tally.runs * 3 / 4);
+}
+
+TEST(WholeBodyPaths, PandaOnTheFloorFollowsBySevenJointsAlone) {
+  run_other_robot("panda_description/urdf/panda.urdf", "panda.toml", Start::Home, 0.15);
+}
+
+TEST(WholeBodyPaths, TiagoFollowsByBaseTorsoAndSevenJoints) {
+  run_other_robot("tiago_description/robots/tiago.urdf", "tiago.toml", Start::Ahead, 0.3);
+}
+
+}  // namespace
+}  // namespace ajar
