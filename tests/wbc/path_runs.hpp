@@ -40,6 +40,7 @@ struct PathRun {
   double least_factor = 1.0;  // of the speed, once it has been reached
   double least_sigma = 1e9;
   double limit_excess = 0.0;  // of any rate or acceleration
+  double late = 0.0;          // duration over that of a run that no limit slows [-]
   double arc = 0.0;           // way made [m]
   bool invalid = false;
 };
@@ -105,6 +106,7 @@ inline PathRun follow(const RobotModel& model, BasePose base, JointVector q, con
     run.turn_error = std::max(run.turn_error, log_so3(on_path.linear() * kinematics.X_WE.linear().transpose()).norm());
     if (tick * kDt > 1.5) run.least_factor = std::min(run.least_factor, out.speed_factor);
     run.least_sigma = std::min(run.least_sigma, out.sigma_min);
+    run.late = (tick + 1) * kDt / (path.length / speed + 0.5 * speed / 0.1);
   }
   return run;
 }

@@ -47,11 +47,14 @@ bool find_posture(const RobotModel& model, double height, JointVector& q) {
 struct Tally {
   int runs = 0;
   int arrived = 0;
+  double late = 0.0;  // sum
   PathRun worst;
 
   void add(const PathRun& run, const HandPath& path) {
     ++runs;
     arrived += run.arc >= path.length ? 1 : 0;
+    late += run.late;
+    worst.late = std::max(worst.late, run.late);
     worst.path_error = std::max(worst.path_error, run.path_error);
     worst.turn_error = std::max(worst.turn_error, run.turn_error);
     worst.limit_excess = std::max(worst.limit_excess, run.limit_excess);
@@ -62,8 +65,8 @@ struct Tally {
     EXPECT_LT(worst.turn_error, kFifthDegree);
     EXPECT_LE(worst.limit_excess, 1e-9);
     EXPECT_FALSE(worst.invalid);
-    std::printf("%d runs, %d arrived, path error %.4f mm, rotation %.4f mrad\n", runs, arrived, 1e3 * worst.path_error,
-                1e3 * worst.turn_error);
+    std::printf("%d runs, %d arrived, path error %.4f mm, rotation %.4f mrad, time over ideal: mean %.4f, worst %.3f\n",
+                runs, arrived, 1e3 * worst.path_error, 1e3 * worst.turn_error, late / runs, worst.late);
   }
 };
 
