@@ -9,3 +9,4 @@ void add_identify(CLI::App& program, int& exit_code);
 void add_validate(CLI::App& program, int& exit_code);
 void add_report(CLI::App& program, int& exit_code);
 void add_view(CLI::App& program, int& exit_code);
+void add_reproduce(CLI::App& program, int& exit_code);

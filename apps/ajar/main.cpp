@@ -19,7 +19,7 @@ int parse_and_run(CLI::App& program, int argc, char** argv, const int& exit_code
   } catch (const CLI::RequiredError& error) {
     const bool unknown = argc > 1 && program.get_subcommands().empty();
     complain(unknown
-                 ? std::string("unknown command '") + argv[1] + "'; allowed: run, campaign, identify, validate, report, view"
+                 ? std::string("unknown command '") + argv[1] + "'; allowed: run, campaign, identify, validate, report, view, reproduce"
                  : std::string(error.what()) + " (see ajar --help)");
     return kBadInput;
   } catch (const CLI::ParseError& error) {
@@ -45,6 +45,7 @@ int main(int argc, char** argv) {
     add_validate(program, exit_code);
     add_report(program, exit_code);
     add_view(program, exit_code);
+    add_reproduce(program, exit_code);
     return parse_and_run(program, argc, argv, exit_code);
   } catch (const ajar::Error& error) {
     complain(error.what());

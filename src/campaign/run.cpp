@@ -3,11 +3,13 @@
 #include <chrono>
 #include <cmath>
 #include <fstream>
+#include <utility>
 
 #include "ajar/campaign/judge.hpp"
 #include "ajar/core/error.hpp"
 #include "ajar/core/so3.hpp"
 #include "ajar/report/report.hpp"
+#include "follow_setup.hpp"
 #include "run_log.hpp"
 #include "scene.hpp"
 
@@ -41,48 +43,106 @@ JudgeConfig judge_config(const Scenario& scenario, const RobotModel& model, cons
   return config;
 }
 
+SimulatedPlant build_plant(const PlantRequest& request, const PlantFactory& factory) {
+  SimulatedPlant made = factory(request);
+  if (!made.plant || made.witness == nullptr)
+    throw PlantError("plant." + request.scenario.plant.kind + ": the factory made no plant");
+  made.plant->reset(request.scenario.seed);
+  if (made.truth.latched) {
+    made.notes.push_back("latch '" + (made.truth.latch.empty() ? std::string("unnamed") : made.truth.latch) +
+                         "' is treated as free");
+  }
+  return made;
+}
+
+/// Task "open": a mission that is told a guess at most.
+struct OpenTask {
+  const Scenario& scenario;
+  const RobotModel& model;
+
+  SimulatedPlant plant(const PlantFactory& factory) const {
+    const std::optional<Mechanism> mechanism = scenario_mechanism(scenario);
+    return build_plant({scenario, model, mechanism ? &*mechanism : nullptr,
+                        [this](const Mechanism& m) { return start_pose(scenario, m); }, model.home()},
+                       factory);
+  }
+  /// The guess with its injected error, in the odometry frame of the first measurement.
+  std::unique_ptr<Mission> pilot(const Truth& truth, const RobotState& state) const {
+    std::optional<Vector3d> guess = draw_direction_guess(scenario.belief, truth.direction, scenario.seed);
+    if (guess) guess = Eigen::AngleAxisd(state.base.yaw - truth.base.yaw, Vector3d::UnitZ()) * *guess;
+    return std::make_unique<Mission>(model, scenario.mission, guess, scenario.seed);
+  }
+  static const Truth& see(const Truth& truth, Phase) noexcept { return truth; }
+  static RunResult judged(RunResult result) { return result; }
+};
+
+/// Task "follow": a free hand that is told its path; the mechanism goes along with it.
+struct FollowTask {
+  const Scenario& scenario;
+  const RobotModel& model;
+  Mechanism mechanism;
+  FollowSetup setup;
+  FollowedPath followed;
+
+  FollowTask(const Scenario& s, const RobotModel& m)
+      : scenario(s),
+        model(m),
+        mechanism(described(s)),
+        setup(make_follow_setup(s, m, mechanism)),
+        followed(setup.path, mechanism) {}
+
+  static Mechanism described(const Scenario& scenario) {
+    if (auto mechanism = scenario_mechanism(scenario)) return *mechanism;
+    throw ConfigError(scenario.file.string() + ": task = \"follow\": allowed: a mechanism that is described or in a table");
+  }
+  SimulatedPlant plant(const PlantFactory& factory) const {
+    const FollowConfig& follow = scenario.mission.follow;
+    const BasePose start{follow.start.x(), follow.start.y(), follow.start_yaw};
+    const Mechanism away = out_of_the_way(mechanism);
+    SimulatedPlant made =
+        build_plant({scenario, model, &away, [start](const Mechanism&) { return start; }, setup.posture}, factory);
+    made.truth = mechanism;
+    return made;
+  }
+  std::unique_ptr<Follower> pilot(const Truth&, const RobotState&) const {
+    return std::make_unique<Follower>(model, scenario.mission, setup.path);
+  }
+  const Truth& see(const Truth& truth, Phase phase) noexcept { return followed.see(truth, phase); }
+  /// What touches nothing has no force and no estimate.
+  static RunResult judged(RunResult r) {
+    for (auto* value :
+         {&r.peak_normal_force, &r.peak_normal_force_free, &r.mean_normal_force, &r.late_normal_force,
+          &r.late_normal_force_peak, &r.peak_pull_force, &r.stop_force, &r.peak_torque, &r.direction_error_start,
+          &r.direction_error_10cm, &r.direction_error_20cm, &r.direction_error_final, &r.direction_sigma_final,
+          &r.curvature_error_20cm, &r.curvature_error_40cm, &r.curvature_error_final, &r.curvature_sigma_final}) {
+      value->reset();
+    }
+    return r;
+  }
+};
+
 /// Everything that lives as long as a run; built completely before the first file is written.
+template <class Task>
 struct Run {
   const Scenario& scenario;
   const RunOptions& options;
   RobotModel model;
+  Task task;
   SimulatedPlant simulated;
   Judge judge;
   RobotState state;
-  Mission mission;
+  decltype(std::declval<Task>().pilot(std::declval<Truth>(), std::declval<RobotState>())) pilot;
   std::unique_ptr<RunLog> log;
 
   Run(const Scenario& s, const PlantFactory& factory, const RunOptions& o)
       : scenario(s),
         options(o),
         model(load_robot(s.robot)),
-        simulated(build(factory)),
+        task{s, model},
+        simulated(task.plant(factory)),
         judge(judge_config(s, model, simulated.truth)),
         state(simulated.plant->measure()),
-        mission(model, s.mission, guess(), s.seed) {}
-
-  SimulatedPlant build(const PlantFactory& factory) const {
-    const std::optional<Mechanism> mechanism = scenario_mechanism(scenario);
-    const PlantRequest request{scenario, model, mechanism ? &*mechanism : nullptr,
-                               [this](const Mechanism& m) { return start_pose(scenario, m); }, model.home()};
-    SimulatedPlant made = factory(request);
-    if (!made.plant || made.witness == nullptr)
-      throw PlantError("plant." + scenario.plant.kind + ": the factory made no plant");
-    made.plant->reset(scenario.seed);
-    if (made.truth.latched) {
-      made.notes.push_back("latch '" + (made.truth.latch.empty() ? std::string("unnamed") : made.truth.latch) +
-                           "' is treated as free");
-    }
-    return made;
-  }
-
-  /// The guess with its injected error, in the odometry frame of the first measurement.
-  std::optional<Vector3d> guess() const {
-    const Truth& truth = simulated.witness->truth();
-    const auto world = draw_direction_guess(scenario.belief, truth.direction, scenario.seed);
-    if (!world) return std::nullopt;
-    return Vector3d(Eigen::AngleAxisd(state.base.yaw - truth.base.yaw, Vector3d::UnitZ()) * *world);
-  }
+        pilot(task.pilot(simulated.witness->truth(), state)) {}
 
   void open_folder() {
     if (options.folder.empty()) return;
@@ -101,8 +161,8 @@ struct Run {
   void tell_progress(double& next) const {
     if (!options.progress || state.time < next) return;
     next = state.time + options.progress_period;
-    const MissionRecord& record = mission.record();
-    options.progress({state.time, scenario.mission.limits.time, mission.phase(), simulated.witness->truth().opening,
+    const MissionRecord& record = pilot->record();
+    options.progress({state.time, scenario.mission.limits.time, pilot->phase(), simulated.witness->truth().opening,
                       record.wrench.force.norm(), &record});
   }
 
@@ -111,17 +171,18 @@ struct Run {
     const double overdue = scenario.mission.limits.time + kOverdue;
     double next_progress = 0.0;
     for (double time = 0.0; time < overdue; time += scenario.mission.period) {
-      if (options.stop != nullptr && options.stop->load(std::memory_order_relaxed)) mission.interrupt();
+      if (options.stop != nullptr && options.stop->load(std::memory_order_relaxed)) pilot->interrupt();
       const auto before = Clock::now();
-      const Command command = mission.step(state);
-      const TickView tick{state, simulated.witness->truth(), mission.record(), command, 1e6 * seconds_since(before)};
+      const Command command = pilot->step(state);
+      const Truth& truth = task.see(simulated.witness->truth(), pilot->record().phase);
+      const TickView tick{state, truth, pilot->record(), command, options.wall_clock ? 1e6 * seconds_since(before) : 0.0};
       judge.observe(tick);
       if (log) log->record(tick);
       if (options.observe) options.observe(tick);
       tell_progress(next_progress);
       simulated.plant->apply(command);
       simulated.plant->advance(scenario.mission.period);
-      if (mission.finished()) return true;
+      if (pilot->finished()) return true;
       state = simulated.plant->measure();
     }
     return false;
@@ -129,14 +190,14 @@ struct Run {
 
   RunResult finish(bool ended, double wall_seconds) {
     RunEnd end;
-    end.claimed = ended && mission.reached_goal();
-    end.phase = mission.end_phase();
-    end.reason = mission.reason();
-    end.explanation = ended ? mission.explain() : "the mission did not end at its time limit";
+    end.claimed = ended && pilot->reached_goal();
+    end.phase = pilot->end_phase();
+    end.reason = pilot->reason();
+    end.explanation = ended ? pilot->explain() : "the mission did not end at its time limit";
     end.contacts = simulated.witness->contacts();
     end.duration = std::isfinite(state.time) ? state.time + scenario.mission.period : 0.0;
-    end.wall_seconds = wall_seconds;
-    RunResult result = judge.finish(end);
+    end.wall_seconds = options.wall_clock ? wall_seconds : 0.0;
+    RunResult result = Task::judged(judge.finish(end));
     result.seed = scenario.seed;
     result.version = version();
     result.notes = simulated.notes;
@@ -149,8 +210,11 @@ struct Run {
 
 std::string version() { return AJAR_VERSION; }
 
-RunResult run_mission(const Scenario& scenario, const PlantFactory& factory, const RunOptions& options) {
-  Run run(scenario, factory, options);
+namespace {
+
+template <class Task>
+RunResult run_task(const Scenario& scenario, const PlantFactory& factory, const RunOptions& options) {
+  Run<Task> run(scenario, factory, options);
   run.open_folder();
   const auto start = Clock::now();
   const bool ended = run.loop();
@@ -161,6 +225,13 @@ RunResult run_mission(const Scenario& scenario, const PlantFactory& factory, con
   write_text(options.folder / "result.json", to_json(result));
   if (options.report) write_report(options.folder);
   return result;
+}
+
+}  // namespace
+
+RunResult run_mission(const Scenario& scenario, const PlantFactory& factory, const RunOptions& options) {
+  return scenario.mission.task == "follow" ? run_task<FollowTask>(scenario, factory, options)
+                                           : run_task<OpenTask>(scenario, factory, options);
 }
 
 }  // namespace ajar

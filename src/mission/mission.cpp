@@ -61,6 +61,8 @@ void MissionConfig::validate() const {
   base_law.validate();
   force.validate();
   estimator.validate();
+  follow.validate();
+  if (task != "open" && task != "follow") throw ConfigError(fmt::format("task: {}: must be open or follow", task));
   const auto positive = [](const char* key, double value) {
     if (!(std::isfinite(value) && value > 0.0)) {
       throw ConfigError(fmt::format("{}: {}: must be a finite number above 0", key, value));

@@ -26,8 +26,8 @@ void require_positive(double value, const char* key) {
 }  // namespace
 
 void NavigationConfig::validate() const {
-  if (law != "graceful" && law != "polar") {
-    throw ConfigError("navigation.law = \"" + law + "\": must be one of graceful, polar");
+  if (law != "graceful" && law != "polar" && law != "thesis") {
+    throw ConfigError("navigation.law = \"" + law + "\": must be one of graceful, polar, thesis");
   }
   require_positive(k_rho, "k_rho");
   require_positive(k_gamma, "k_gamma");
@@ -48,6 +48,7 @@ void NavigationConfig::validate() const {
   if (!(beta >= 0.0) || !std::isfinite(beta)) {
     throw ConfigError("navigation.beta = " + std::to_string(beta) + ": must be zero or positive and finite");
   }
+  if (law == "thesis") return;  // its own gains (1, 2, 1) sit on the border of the rule below
   // The path's curvature stays bounded only if both heading modes are faster than the distance (docs/equations.md#polar).
   if (!(k_gamma > 2.0 * k_rho)) {
     throw ConfigError("navigation.k_gamma = " + std::to_string(k_gamma) +
@@ -66,7 +67,8 @@ BaseTwist polar_law(const BasePose& base, const BasePose& target, const Navigati
   const double dy = target.y - base.y;
   const double rho = std::hypot(dx, dy);
   if (rho < kNoDistance) return {};
-  const double gamma = wrap_angle(std::atan2(dy, dx) - base.yaw);
+  const double away = config.printed ? std::numbers::pi : 0.0;
+  const double gamma = wrap_angle(std::atan2(dy, dx) + away - base.yaw);
   const double delta = wrap_angle(gamma + base.yaw - target.yaw);
   const double c = std::abs(gamma) < kSmallAngle ? 1.0 - 2.0 * gamma * gamma / 3.0 : std::sin(2.0 * gamma) / (2.0 * gamma);
   return {config.k_rho * rho * std::cos(gamma),

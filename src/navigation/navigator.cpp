@@ -73,7 +73,7 @@ double footprint_clearance(const BasePose& base, const KeepOut& keep_out) noexce
 }
 
 Navigator::Navigator(const NavigationConfig& config, double period)
-    : config_(config), polar_(config.law == "polar"), period_(period) {
+    : config_(config), polar_(config.law != "graceful"), period_(period) {
   config_.validate();
   if (!(period > 0.0) || !std::isfinite(period)) {
     throw ConfigError("navigation: period = " + std::to_string(period) + " s: must be positive and finite");
@@ -296,6 +296,10 @@ void Navigator::set_target(const BasePose& base, const BasePose& target, const K
   if (!usable) {
     state_.stage = Stage::Idle;
     state_.last = {};
+    return;
+  }
+  if (config_.law == "thesis") {  // one law from start to goal, no choice of route
+    consider(fresh, base, keep_out);
     return;
   }
   const auto straight = [](const BasePose& from, const BasePose& to, bool forward) {

@@ -85,6 +85,13 @@ void bind(Section s, ThesisConfig& c) {
   s.number("distance", c.distance, {0.1, 5.0}, "m", "wanted between hand and base");
   s.flag("feed_forward", c.feed_forward, "turning rate of the motion instead of the integral");
   s.number("integral_max", c.integral_max, {0.0, 100.0}, "rad s", "bound of the integral of the heading error");
+  s.word("heading", c.heading, {"signed", "folded"}, "heading error modulo a half turn: with hysteresis, or the nearer one");
+  s.word("limits", c.limits, {"common", "each"},
+         "one common factor keeps the path, or every input is clipped by itself as the thesis did");
+  s.number("constant_damping", c.constant_damping, {0.0, 10.0}, "-",
+           "damping of the inverse everywhere, as in the thesis's code; 0 = only near a singularity");
+  s.flag("unit_weights", c.unit_weights, "inputs unweighted, as in the thesis's code");
+  s.flag("printed", c.printed, "equations with the errors of the print, to show what they do");
 }
 
 void bind(Section s, BaseLawConfig& c) {
@@ -100,7 +107,9 @@ void bind(Section s, BaseLawConfig& c) {
 }
 
 void bind(Section s, NavigationConfig& c) {
-  s.word("law", c.law, {"graceful", "polar"}, "how the base drives to its place");
+  s.word("law", c.law, {"graceful", "polar", "thesis"},
+         "how the base drives to its place; thesis = the polar law with any gains");
+  s.flag("printed", c.printed, "polar law with the bearing as printed, to show that it drives away");
   s.number("k_rho", c.k_rho, kPositive, "1/s", "polar law");
   s.number("k_gamma", c.k_gamma, kPositive, "1/s", "polar law; above 2 k_rho");
   s.number("k_delta", c.k_delta, kPositive, "-", "polar law; above k_gamma / k_rho - 1");

@@ -167,6 +167,18 @@ const std::vector<std::string>& mechanism_names() {
   return names;
 }
 
+void bind_follow(Section s, FollowConfig& c) {
+  s.vector("start_m", c.start, "m", "of the base, world");
+  s.degrees("start_yaw_deg", c.start_yaw, {-360.0, 360.0}, "of the base, world");
+  s.vector("parking_m", c.parking, "m", "of the base while the hand is at the handle, world");
+  s.degrees("parking_yaw_deg", c.parking_yaw, {-360.0, 360.0}, "of the base while the hand is at the handle, world");
+  s.number("speed", c.speed, {1e-3, 1.0}, "m/s", "of the hand along its path");
+  s.number("feedback", c.feedback, {0.0, 20.0}, "1/s", "of the hand's pose; 0 = the constant twist in hand axes alone");
+  s.flag("free_about_axis", c.free_about_axis,
+         "the hand may turn about the mechanism's axis, as fingers do round the bar of a flap; controller qp only");
+  s.numbers("posture", c.posture, {-10.0, 10.0}, {"rad"}, "seed of the arm's posture at the handle, one per joint");
+}
+
 void bind_world(Section top, Scenario& c) {
   Section belief = top.table("belief");
   belief.optional_number(
@@ -199,11 +211,14 @@ void bind_world(Section top, Scenario& c) {
   limits.number("sensor_timeout_s", c.mission.limits.sensor_timeout, {0.0, 10.0, true}, "s",
                 "age of a wrist reading that stops the robot");
   bind_control(control, c.mission);
+  bind_follow(top.table("follow"), c.mission.follow);
 }
 
 void bind_top(Section top, Scenario& scenario) {
   top.word("robot", scenario.robot, {}, "a folder of robots/, or a path to a URDF with its .toml beside it");
   top.seed("seed", scenario.seed, "of everything random in the run");
+  top.word("task", scenario.mission.task, {"open", "follow"},
+           "opens the mechanism by touch, or moves the free hand along the mechanism's path as [follow] says");
 }
 
 std::vector<Key> bind_keys(Scenario& scenario) {

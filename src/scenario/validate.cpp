@@ -64,7 +64,7 @@ void validate(const Scenario& scenario) {
           fmt::format("plant.time_step_s = {}: allowed: at most the control period, {} s", scenario.plant.time_step,
                       mission.period));
   const NavigationConfig& drive = mission.navigation;
-  require(drive.k_gamma > 2.0 * drive.k_rho,
+  require(drive.law == "thesis" || drive.k_gamma > 2.0 * drive.k_rho,
           fmt::format("control.navigation.k_gamma = {}: allowed: above 2 k_rho, {}", drive.k_gamma, 2.0 * drive.k_rho));
   require(mission.estimator.slide_curvature < mission.estimator.hinge_curvature,
           fmt::format("control.estimator.slide_curvature = {}: allowed: below hinge_curvature, {}",

@@ -23,8 +23,12 @@ constexpr double kLateralMax = 0.15;
 constexpr double kFullHeadingSpeed = 0.05;
 // Largest feed-forward turning, in turnings of the mechanism: bounded where the reference nearly stands.
 constexpr double kTurningMax = 1.5;
-// cos²β + ε²: distance is uncontrollable with the hand beside the base (β = ±90°).
+// cos²β + ε²: driving does not change the distance to a hand beside the base (β = ±90°).
 constexpr double kSideways = 0.05;
+// Part of the hand's speed with which a base beside the hand leaves its path to close what is missing: atan(0.6) = 31°.
+constexpr double kMissingShare = 0.6;
+// |cos β| below which the heading takes part: within 20° of beside.
+constexpr double kBeside = 0.35;
 // Share of horizontal motion below which "distance" holds its heading.
 constexpr double kLeastPlanarShare = 0.2;
 
@@ -124,33 +128,37 @@ BaseLawOutput BaseLaw::corotating(const BaseLawInput& input) noexcept {
   return out;
 }
 
-// Base-first form: v from the wanted distance, ω from the heading along the motion or from the start heading.
+// The base moves with the hand, which alone keeps the distance, and closes what is missing: by its speed where the hand is
+// ahead or behind, by its heading where the hand is beside it. "line" keeps its first heading. (docs/equations.md#base-law)
 BaseLawOutput BaseLaw::keep_distance(const BaseLawInput& input) noexcept {
   const Vector2d reach(input.hand.x() - input.base.x, input.hand.y() - input.base.y);
   const double distance = std::max(reach.norm(), 1e-3);
   const Vector2d ray = reach / distance;
+  const Vector2d nose(std::cos(input.base.yaw), std::sin(input.base.yaw));
+  const double cos_beta = ray.dot(nose);
+  const double most = kMissingShare * std::abs(input.wanted_speed);
+  const double missing = config_.gain_distance * (distance - config_.distance);
+  const double beside = kind_ == Kind::Distance ? std::max(0.0, 1.0 - std::abs(cos_beta) / kBeside) : 0.0;
+  // Critically damped with the heading's own loop: a quarter of its gain.
+  const double aside = std::min(config_.gain_distance, 0.25 * config_.gain_heading_distance) * (distance - config_.distance);
+  const Vector2d velocity = input.wanted_speed * input.direction.head<2>() + beside * std::clamp(aside, -most, most) * ray;
   double heading = start_yaw_;
   double turn = 0.0;
   double sense = 1.0;
   if (kind_ == Kind::Distance) {
-    const Vector3d& x = input.direction;
-    const double planar = x.head<2>().norm();
-    if (planar > kLeastPlanarShare) {
-      const Vector3d change = input.curvature.cross(x);
-      last_heading_ = std::atan2(x.y(), x.x());
-      turn = input.wanted_speed * (x.x() * change.y() - x.y() * change.x()) / (planar * planar);
+    if (velocity.norm() > kLeastPlanarShare * std::abs(input.wanted_speed)) {
+      const Vector3d change = input.wanted_speed * input.wanted_speed * input.curvature.cross(input.direction);
+      last_heading_ = std::atan2(velocity.y(), velocity.x());
+      turn = (velocity.x() * change.y() - velocity.y() * change.x()) / velocity.squaredNorm();
     }
     heading = last_heading_;
     choose_sense(heading, input.base.yaw, input.confidence);
     sense = drive_sense_ < 0 ? -1.0 : 1.0;
   }
   const double error = wrap_angle(input.base.yaw - heading - (sense < 0.0 ? std::numbers::pi : 0.0));
-  const double cos_beta = ray.x() * std::cos(input.base.yaw) + ray.y() * std::sin(input.base.yaw);
-  const double approach =
-      input.wanted_speed * ray.dot(input.direction.head<2>()) + config_.gain_distance * (distance - config_.distance);
 
   BaseLawOutput out;
-  out.twist.v = approach * cos_beta / (cos_beta * cos_beta + kSideways);
+  out.twist.v = nose.dot(velocity) + (1.0 - beside) * missing * cos_beta / (cos_beta * cos_beta + kSideways);
   out.twist.w = turn - config_.gain_heading_distance * error;
   out.lag = std::abs(distance - config_.distance);
   out.heading_error = error;

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "ajar/core/so3.hpp"
+#include "ajar/wbc/printed_laws.hpp"
 
 namespace ajar {
 namespace {
@@ -76,7 +77,7 @@ ThesisController::ThesisController(const RobotModel& model, const ThesisConfig& 
   // W = diag(ρ_i / u_i,max²): independent of the units of the inputs. A base that cannot move has no authority.
   for (int i = 0; i < n + 2; ++i) {
     const double largest = std::max(limits_.speed_upper[i], 1e-3);
-    weight_[i] = (i < n ? 1.0 : config.w_base) / (largest * largest);
+    weight_[i] = config.unit_weights ? 1.0 : (i < n ? 1.0 : config.w_base) / (largest * largest);
   }
   last_ = InputVector::Zero(n + 2);
   forget();
@@ -103,27 +104,55 @@ void ThesisController::reset(const InputVector& last_command) noexcept {
   }
 }
 
+// Signed error modulo π; which of the two senses counts is kept with hysteresis, or the nearer one at every instant.
+double ThesisController::heading_error(double yaw, const HeadingReference& reference) noexcept {
+  if (config_.heading == "folded") return wrap_half_turn(yaw - reference.heading);
+  double error = wrap_angle(yaw - reference.heading - (drive_sense_ < 0 ? std::numbers::pi : 0.0));
+  if (drive_sense_ == 0) {
+    drive_sense_ = std::abs(error) <= std::numbers::pi / 2.0 ? 1 : -1;
+  } else if (std::abs(error) > kSenseHysteresis) {
+    drive_sense_ = -drive_sense_;
+  }
+  return wrap_angle(yaw - reference.heading - (drive_sense_ < 0 ? std::numbers::pi : 0.0));
+}
+
+double ThesisController::heading_task(double yaw, const Vector6d& twist) noexcept {
+  const HeadingReference reference = heading_reference(twist);
+  if (!reference.valid) return 0.0;
+  const double error = config_.printed ? printed_heading_error(yaw, twist) : heading_error(yaw, reference);
+  if (config_.feed_forward) return reference.rate - config_.alpha2 * error;
+  if (!saturated_) {
+    heading_integral_ = std::clamp(heading_integral_ + limits_.period * error, -config_.integral_max, config_.integral_max);
+  }
+  return -config_.alpha2 * error - config_.alpha3 * heading_integral_;
+}
+
 InputVector ThesisController::null_space_motion(const WbcProblem& problem) noexcept {
   const int n = limits_.joints;
   InputVector z = distance_task(*problem.kinematics, config_.distance, config_.alpha1);
-  const HeadingReference reference = heading_reference(problem.tangential);
-  if (reference.valid) {
-    const double yaw = std::atan2(problem.kinematics->J(1, n + 1), problem.kinematics->J(0, n + 1));
-    double error = wrap_angle(yaw - reference.heading - (drive_sense_ < 0 ? std::numbers::pi : 0.0));
-    if (drive_sense_ == 0) {
-      drive_sense_ = std::abs(error) <= std::numbers::pi / 2.0 ? 1 : -1;
-    } else if (std::abs(error) > kSenseHysteresis) {
-      drive_sense_ = -drive_sense_;
-    }
-    error = wrap_angle(yaw - reference.heading - (drive_sense_ < 0 ? std::numbers::pi : 0.0));
-    if (!saturated_ && !config_.feed_forward) {
-      heading_integral_ =
-          std::clamp(heading_integral_ + limits_.period * error, -config_.integral_max, config_.integral_max);
-    }
-    z[n] += config_.feed_forward ? reference.rate - config_.alpha2 * error
-                                 : -config_.alpha2 * error - config_.alpha3 * heading_integral_;
-  }
+  const double yaw = std::atan2(problem.kinematics->J(1, n + 1), problem.kinematics->J(0, n + 1));
+  z[n] += heading_task(yaw, problem.tangential);
   return z;
+}
+
+ThesisController::Resolution ThesisController::resolve(const HandJacobian& J) const noexcept {
+  Resolution out;
+  out.inverse = damped_pseudo_inverse(J, weight_, {config_.epsilon, config_.lambda_max, limits_config_.length});
+  if (config_.printed) {
+    out.inverse.matrix = ridge_inverse(J, weight_, printed_damping(J, config_.lambda_max, config_.epsilon));
+    out.projector = printed_projector(J, out.inverse.matrix);
+    return out;
+  }
+  if (config_.constant_damping > 0.0) out.inverse.matrix = ridge_inverse(J, weight_, config_.constant_damping);
+  out.projector = null_space_projector(J, weight_);
+  return out;
+}
+
+// Every input alone at its limit: the direction of the motion is lost as soon as one of them is cut.
+InputVector ThesisController::clipped(const InputBounds& bounds, const InputVector& wanted) noexcept {
+  saturated_ = false;
+  parts_.factor = 1.0;
+  return wanted.cwiseMax(bounds.rate_lower).cwiseMin(bounds.rate_upper);
 }
 
 // Moves the parts of the last command towards the wanted ones as far as limits and accelerations allow.
@@ -168,15 +197,17 @@ WbcStatus ThesisController::solve(const WbcProblem& problem, WbcSolution& out) n
     wanted.idle.tail<2>().setZero();
   }
   const InputBounds bounds = input_bounds(limits_, *problem.q, last_, problem.base_fixed);
-  const PseudoInverse inverse =
-      damped_pseudo_inverse(J, weight_, {config_.epsilon, config_.lambda_max, limits_config_.length});
-  const InputMatrix N = null_space_projector(J, weight_);
+  const auto [inverse, N] = resolve(config_.printed ? printed_base_column(J) : J);
   wanted.correction = inverse.matrix * problem.correction;
   wanted.idle = N.lazyProduct(wanted.idle).eval();
   parts_.idle = N.lazyProduct(parts_.idle).eval();  // still without effect on the hand after the arm has moved
 
-  const InputVector u = scaled(bounds, inverse.matrix * problem.tangential, wanted);
-  out.u = u.cwiseMax(bounds.lower).cwiseMin(bounds.upper);
+  const InputVector along = inverse.matrix * problem.tangential;
+  if (config_.limits == "each") {
+    out.u = clipped(bounds, wanted.correction + along + wanted.idle);
+  } else {
+    out.u = scaled(bounds, along, wanted).cwiseMax(bounds.lower).cwiseMin(bounds.upper);
+  }
   limit_wheels(limits_, out.u);
   out.speed_factor = parts_.factor;
   out.sigma_min = inverse.sigma_min;

@@ -45,7 +45,14 @@ void ThesisConfig::validate() const {
                           {"alpha2", alpha2, 0.0, 1e3},
                           {"alpha3", alpha3, 0.0, 1e3},
                           {"distance", distance, 0.1, 5.0},
-                          {"integral_max", integral_max, 0.0, 100.0}});
+                          {"integral_max", integral_max, 0.0, 100.0},
+                          {"constant_damping", constant_damping, 0.0, 10.0}});
+  if (heading != "signed" && heading != "folded") {
+    throw ConfigError("thesis.heading = \"" + heading + "\": must be signed or folded");
+  }
+  if (limits != "common" && limits != "each") {
+    throw ConfigError("thesis.limits = \"" + limits + "\": must be common or each");
+  }
 }
 
 void BaseLawConfig::validate() const {

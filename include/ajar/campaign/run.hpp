@@ -18,6 +18,8 @@
 
 namespace ajar {
 
+struct TickView;
+
 /// A plant with what it knows beyond the measurements.
 struct SimulatedPlant {
   std::unique_ptr<Plant> plant;
@@ -51,16 +53,19 @@ struct RunProgress {
 struct TickView;
 
 struct RunOptions {
-  std::filesystem::path folder;                      ///< Run folder; empty = no files
-  bool report = true;                                ///< Makes report.html
+  std::filesystem::path folder;  ///< Run folder; empty = no files
+  bool wall_clock = true;        ///< False: the result's timings stay empty, so that the same seed gives the same bytes
+  bool report = true;            ///< Makes report.html
   const std::atomic<bool>* stop = nullptr;           ///< Becomes true: the robot stops safely, the run ends
   std::function<void(const TickView&)> observe;      ///< Called in every tick between decision and action; must be quick
   std::function<void(const RunProgress&)> progress;  ///< Called every `progress_period`
   double progress_period = 0.1;                      ///< [s], simulated
+  std::function<void(const TickView&)> observe;      ///< Called in every tick, as the log is
 };
 
-/// One mission from start to end: builds robot and plant, injects the error of the direction guess, runs the loop, judges.
-/// Nothing is written before the set-up has succeeded; the log is complete to the last tick even if something throws.
+/// One mission (or one follow run, if the scenario's task says so) from start to end: builds robot and plant, injects the
+/// error of the direction guess, runs the loop, judges. Nothing is written before the set-up has succeeded; the log is
+/// complete to the last tick even if something throws.
 /// @throws ConfigError, ModelError, PlantError, IoError
 [[nodiscard]] RunResult run_mission(const Scenario& scenario, const PlantFactory& factory, const RunOptions& options = {});
 

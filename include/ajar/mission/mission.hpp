@@ -7,6 +7,7 @@
 
 #include "ajar/estimation/mechanism_estimator.hpp"
 #include "ajar/interaction/force_law.hpp"
+#include "ajar/mission/follow_config.hpp"
 #include "ajar/model/clearance.hpp"
 #include "ajar/model/robot_model.hpp"
 #include "ajar/navigation/navigator.hpp"
@@ -81,6 +82,8 @@ struct MissionConfig {
   ClearanceConfig clearance;
   GoalConfig goal;
   MissionLimits limits;
+  std::string task = "open";  ///< open | follow: a mission, or a Follower with the settings of `follow`
+  FollowConfig follow;
   double period = 0.002;          ///< Control period [s]
   double dead_time = 0.0;         ///< Transport delay that the robot knows of [s]
   std::string controller = "qp";  ///< qp | thesis; the law while the handle is moved, the rest is the QP's

@@ -9,7 +9,8 @@
 namespace ajar {
 
 struct NavigationConfig {
-  std::string law = "graceful";   ///< graceful | polar
+  std::string law = "graceful";   ///< graceful | polar | thesis (polar, with any gains: the thesis's miss the gain rule)
+  bool printed = false;           ///< Polar: γ as printed in (3.3), which points away from the target
   double k_rho = 0.5;             ///< Polar k1 [1/s]
   double k_gamma = 2.0;           ///< Polar k2, > 2 k1 [1/s]
   double k_delta = 4.0;           ///< Polar k3, > k2/k1 - 1 [-]
