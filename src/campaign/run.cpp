@@ -93,7 +93,8 @@ struct FollowTask {
 
   static Mechanism described(const Scenario& scenario) {
     if (auto mechanism = scenario_mechanism(scenario)) return *mechanism;
-    throw ConfigError(scenario.file.string() + ": task = \"follow\": allowed: a mechanism that is described or in a table");
+    throw ConfigError(
+        scenario.file.string().append(": task = \"follow\": allowed: a mechanism that is described or in a table"));
   }
   SimulatedPlant plant(const PlantFactory& factory) const {
     const FollowConfig& follow = scenario.mission.follow;

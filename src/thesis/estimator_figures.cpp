@@ -101,9 +101,9 @@ std::vector<ExperimentPlan> estimator_plans() {
   std::vector<ExperimentPlan> plans;
   for (int i = 0; i < 4; ++i) {
     const bool door = i == 0;
-    const std::string place = i == 2 ? "[-1.0,-1.15]" : "[-1.5,-1.15]";
+    const char* const place = i == 2 ? "[-1.0,-1.15]" : "[-1.5,-1.15]";
     // A hand that follows exactly from the first tick on: the estimator is under test, not the robot.
-    std::vector<std::string> overrides{"follow.start_m=" + place,
+    std::vector<std::string> overrides{fmt::format("follow.start_m={}", place),
                                        fmt::format("follow.start_yaw_deg={}", door || i == 1 ? 30 : 0)};
     plans.push_back({kTypes[static_cast<std::size_t>(i)].run, fmt::format("type_{}.toml", i + 1), Contestant::Corrected,
                      overrides, false});
@@ -126,9 +126,9 @@ void add_estimator(const RunSet& runs, Reproduction& out) {
     const Track thesis = run_law(run.following, run.period, thesis_gains);
     const Track scaled = run_law(run.following, run.period, std::nullopt);
     const Track ours = run_ours(run.following, run.period);
-    FigurePanel direction = make_panel(std::string(type.label) + ": direction", "time in s", "error in °");
+    FigurePanel direction = make_panel(fmt::format("{}: direction", type.label), "time in s", "error in °");
     direction.y_range = {0.0, 32.0};
-    FigurePanel curvature = make_panel(std::string(type.label) + ": curvature", "time in s", "| |k̂| - |k| | in 1/m");
+    FigurePanel curvature = make_panel(fmt::format("{}: curvature", type.label), "time in s", "| |k̂| - |k| | in 1/m");
     struct Entry {
       const Track& track;
       const char* label;

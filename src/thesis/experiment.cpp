@@ -1,5 +1,7 @@
 #include "ajar/thesis/experiment.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <atomic>
 #include <cmath>
@@ -87,8 +89,8 @@ std::filesystem::path thesis_scenarios() {
     std::error_code error;
     if (std::filesystem::is_directory(folder, error)) return folder;
   }
-  throw IoError("the thesis's scenarios are missing: looked for '" + std::string(AJAR_SCENARIOS_DIR) + "/thesis' and '" +
-                std::string(AJAR_SCENARIOS_INSTALL_DIR) + "/thesis'");
+  throw IoError(fmt::format("the thesis's scenarios are missing: looked for '{0}/thesis' and '{1}/thesis'",
+                            AJAR_SCENARIOS_DIR, AJAR_SCENARIOS_INSTALL_DIR));
 }
 
 Scenario plan_scenario(const ExperimentPlan& plan) {

@@ -46,14 +46,14 @@ bool wanted(const Chapter& chapter, const std::vector<std::string>& figures) {
 /// "figure_6_6" of "6.6".
 std::string stem_of(std::string figure) {
   std::replace(figure.begin(), figure.end(), '.', '_');
-  return "figure_" + figure;
+  return fmt::format("figure_{}", figure);
 }
 
 void write_text(const std::filesystem::path& file, const std::string& text) {
   std::ofstream stream(file, std::ios::binary);
   stream << text;
   stream.close();
-  if (!stream) throw IoError("cannot write '" + file.string() + "'");
+  if (!stream) throw IoError(fmt::format("cannot write '{}'", file.string()));
 }
 
 void check_names(const std::vector<std::string>& figures) {
@@ -72,7 +72,7 @@ void prepare(const std::filesystem::path& folder) {
   std::ofstream stream(probe);
   stream << "probe";
   stream.close();
-  if (error || !stream) throw IoError("cannot write into the folder '" + folder.string() + "'");
+  if (error || !stream) throw IoError(fmt::format("cannot write into the folder '{}'", folder.string()));
   std::filesystem::remove(probe, error);
 }
 
@@ -127,7 +127,8 @@ Reproduction reproduce_thesis(const PlantFactory& factory, const std::filesystem
     std::erase_if(out.figures, [&](const Figure& f) { return unwanted(f.name); });
     std::erase_if(out.statements, [&](const ThesisStatement& s) { return unwanted(stem_of(s.figure)); });
   }
-  for (const Figure& figure : out.figures) write_text(folder / "figures" / (figure.name + ".svg"), to_svg(figure));
+  for (const Figure& figure : out.figures)
+    write_text(folder / "figures" / fmt::format("{}.svg", figure.name), to_svg(figure));
   write_text(folder / "thesis.json", to_json(out.statements));
   write_text(folder / "thesis.html", to_html(out));
   return out;
