@@ -18,8 +18,6 @@
 
 namespace ajar {
 
-struct TickView;
-
 /// A plant with what it knows beyond the measurements.
 struct SimulatedPlant {
   std::unique_ptr<Plant> plant;
@@ -60,7 +58,6 @@ struct RunOptions {
   std::function<void(const TickView&)> observe;      ///< Called in every tick between decision and action; must be quick
   std::function<void(const RunProgress&)> progress;  ///< Called every `progress_period`
   double progress_period = 0.1;                      ///< [s], simulated
-  std::function<void(const TickView&)> observe;      ///< Called in every tick, as the log is
 };
 
 /// One mission (or one follow run, if the scenario's task says so) from start to end: builds robot and plant, injects the
