@@ -8,6 +8,7 @@
 #include "ajar/core/so3.hpp"
 #include "ajar/estimation/direction_law.hpp"
 #include "ajar/estimation/mechanism_estimator.hpp"
+#include "ajar/mission/follower.hpp"
 #include "run_set.hpp"
 
 namespace ajar::thesis {
@@ -16,6 +17,7 @@ namespace {
 constexpr double kStartError = 30.0 / kDegree;
 // Gains of the thesis's public code; Γ is not stated, taken as γ (damping ratio 1.8 at the hand's speed).
 constexpr double kThesisGamma = 2000.0;
+constexpr double kShown = 4.0;    // [s]
 constexpr double kAligned = 5.0;  // a sixth of the start error [°]
 
 struct Type {
@@ -38,6 +40,32 @@ double angle_between(const Vector3d& a, const Vector3d& b) { return kDegree * st
 void note(const ExperimentSample& s, double start, const Vector3d& x, const Vector3d& k, Track& track) {
   track.direction.push_back({s.time - start, angle_between(x, s.direction)});
   track.curvature.push_back({s.time - start, std::abs(k.norm() - s.curvature.norm())});
+}
+
+/// The hand exactly on its path at the full speed from the first instant on: the estimator is under test, not the robot.
+Samples exact_motion(const ExperimentRun& run) {
+  const ExperimentSample& first = run.following.front();
+  const FollowConfig follow = plan_scenario(run.plan).mission.follow;
+  HandPath path;
+  path.direction = first.pose.linear().transpose() * first.direction;
+  path.curvature = first.pose.linear().transpose() * first.curvature;
+  Samples out(run.following.size(), first);
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    ExperimentSample& s = out[i];
+    s.time = first.time + static_cast<double>(i) * run.period;
+    s.pose = pose_on_path(path, first.pose, follow.speed * static_cast<double>(i) * run.period);
+    s.hand = s.pose.translation();
+    s.direction = s.pose.linear() * path.direction;
+    s.curvature = s.pose.linear() * path.curvature;
+    s.v = 0.0;
+  }
+  return out;
+}
+
+/// The part of a track that is worth drawing.
+std::vector<FigurePoint> beginning(std::vector<FigurePoint> points) {
+  std::erase_if(points, [](const FigurePoint& p) { return p.x > kShown; });
+  return points;
 }
 
 Vector3d wrong_direction(const ExperimentSample& first) {
@@ -102,7 +130,7 @@ std::vector<ExperimentPlan> estimator_plans() {
   for (int i = 0; i < 4; ++i) {
     const bool door = i == 0;
     const char* const place = i == 2 ? "[-1.0,-1.15]" : "[-1.5,-1.15]";
-    // A hand that follows exactly from the first tick on: the estimator is under test, not the robot.
+    // Only the place where the path begins is taken from the run.
     std::vector<std::string> overrides{fmt::format("follow.start_m={}", place),
                                        fmt::format("follow.start_yaw_deg={}", door || i == 1 ? 30 : 0)};
     plans.push_back({kTypes[static_cast<std::size_t>(i)].run, fmt::format("type_{}.toml", i + 1), Contestant::Corrected,
@@ -123,9 +151,10 @@ void add_estimator(const RunSet& runs, Reproduction& out) {
   double slowest = 0.0, our_slowest = 0.0, rise = 0.0, our_rise = 0.0, left = 0.0, our_left = 0.0, scaled_slowest = 0.0;
   for (const Type& type : kTypes) {
     const ExperimentRun& run = runs[type.run];
-    const Track thesis = run_law(run.following, run.period, thesis_gains);
-    const Track scaled = run_law(run.following, run.period, std::nullopt);
-    const Track ours = run_ours(run.following, run.period);
+    const Samples exact = exact_motion(run);
+    const Track thesis = run_law(exact, run.period, thesis_gains);
+    const Track scaled = run_law(exact, run.period, std::nullopt);
+    const Track ours = run_ours(exact, run.period);
     FigurePanel direction = make_panel(fmt::format("{}: direction", type.label), "time in s", "error in °");
     direction.y_range = {0.0, 32.0};
     FigurePanel curvature = make_panel(fmt::format("{}: curvature", type.label), "time in s", "| |k̂| - |k| | in 1/m");
@@ -136,8 +165,8 @@ void add_estimator(const RunSet& runs, Reproduction& out) {
     };
     for (const Entry& e : {Entry{thesis, kThesisLabel, kThesisStyle}, Entry{scaled, "gains over v²", kCorrectedStyle},
                            Entry{ours, kOursLabel, kOursStyle}}) {
-      direction.curves.push_back({e.label, e.track.direction, e.style, false});
-      curvature.curves.push_back({e.label, e.track.curvature, e.style, false});
+      direction.curves.push_back({e.label, beginning(e.track.direction), e.style, false});
+      curvature.curves.push_back({e.label, beginning(e.track.curvature), e.style, false});
     }
     figure.panels.push_back(direction);
     figure.panels.push_back(curvature);

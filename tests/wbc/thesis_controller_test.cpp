@@ -205,9 +205,38 @@ TEST_F(HeronThesis, KeepsItsLimitsOnRandomAndBrokenInput) {
   EXPECT_LE(violation, 1e-9);
 }
 
+TEST_F(HeronThesis, BendsTheHandsMotionWhenInputsAreClippedOneByOneAndKeepsItWhenScaledTogether) {
+  ThesisConfig config;
+  config.alpha1 = config.alpha2 = 0.0;
+  config.feed_forward = false;
+  config.alpha3 = 0.0;
+  WbcProblem p = problem();
+  p.tangential << -1.5, 0.4, 0.2, 0.0, 0.0, 0.5;  // more than the joints can do
+  const Vector3d wanted = p.tangential.head<3>().normalized();
+  for (const char* limits : {"each", "common"}) {
+    config.limits = limits;
+    ThesisController controller(model, config, {}, kPeriod);
+    WbcSolution out;
+    for (int tick = 0; tick < 1000; ++tick) (void)controller.solve(p, out);
+    const Vector3d v = (kinematics.J * out.u).head<3>();
+    const double aside = wanted.cross(v).norm() / v.norm();
+    if (config.limits == "each") {
+      EXPECT_GT(aside, 0.05);
+    } else {
+      EXPECT_LT(aside, 1e-6);
+    }
+  }
+}
+
 TEST_F(HeronThesis, RefusesWrongSettings) {
   ThesisConfig config;
   config.epsilon = 0.0;
+  EXPECT_THROW(ThesisController(model, config, {}, kPeriod), ConfigError);
+  config = {};
+  config.limits = "some";
+  EXPECT_THROW(ThesisController(model, config, {}, kPeriod), ConfigError);
+  config = {};
+  config.heading = "arccos";
   EXPECT_THROW(ThesisController(model, config, {}, kPeriod), ConfigError);
 }
 
