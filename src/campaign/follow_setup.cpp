@@ -23,7 +23,10 @@ constexpr double kPlenty = 2.0;
 
 /// Fingers across the bar, hand x against the bar: the orientation of the thesis's experiments.
 Matrix3d hand_orientation(const Handle& handle) {
-  const HandleBelief belief{handle.position, handle.normal, handle.bar, handle.standoff, handle.thickness};
+  HandleBelief belief;
+  belief.position = handle.position;
+  belief.normal = handle.normal;
+  belief.bar = handle.bar;
   const Matrix3d R = grasp_orientation(belief, false);
   return R.col(0).dot(handle.bar) > 0.0 ? grasp_orientation(belief, true) : R;
 }
