@@ -93,11 +93,11 @@ TEST(Erratum04, ClippingEachSpeedCostsWholeTurnsAndTheGoalItselfIsNoSingularPoin
   const auto turned = [&](bool together) {
     BasePose base{0.0, 0.0, 0.0};
     double angle = 0.0;
-    for (int i = 0; i < 6000 && distance_to(base, kGoal) > 0.01; ++i) {
+    for (int i = 0; i < 12000 && distance_to(base, kGoal) > 0.01; ++i) {
       BaseTwist twist = polar_law(base, kGoal, config);
-      const double excess = std::max({1.0, std::abs(twist.v) / 0.4, std::abs(twist.w) / 0.5});
+      const double excess = std::max({1.0, std::abs(twist.v) / 0.5, std::abs(twist.w) / 0.3});
       twist = together ? BaseTwist{twist.v / excess, twist.w / excess}
-                       : BaseTwist{std::clamp(twist.v, -0.4, 0.4), std::clamp(twist.w, -0.5, 0.5)};
+                       : BaseTwist{std::clamp(twist.v, -0.5, 0.5), std::clamp(twist.w, -0.3, 0.3)};
       base = integrate_base(base, twist.v, twist.w, kDt);
       angle += std::abs(twist.w) * kDt;
     }

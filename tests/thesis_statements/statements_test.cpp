@@ -83,7 +83,7 @@ constexpr Bound kBounds[] = {
     {"6.16", "Type III", true, 0.3, 5.0, 0.0, 30.0},
     {"6.15", "Significant", true, 20.0, 50.0, 0.0, 10.0},
     {"6.16", "Significant", false, 1.0, 20.0, 0.0, 10.0},
-    {"6.17", "The direction is", false, 0.25, 0.6, 0.1, 1.2},
+    {"6.17", "The direction is", true, 0.15, 0.4, 0.1, 1.2},
     {"6.17", "The direction c", true, 0.0, 2.0, 0.0, 2.0},
     {"6.17", "The curvature", true, 0.0, 0.1, 0.0, 0.05},
 };
