@@ -218,12 +218,13 @@ class MissionCase : public Case {
 
 class ChoiceCase : public Case {
  public:
+  ChoiceCase() { belief_.position = Vector3d(0.0, -0.06, 1.0); }
   void step() override { candidates_ = planner_.choose(belief_, seed_++); }
 
  private:
   RobotModel robot_ = load_robot("heron");
   GraspPlanner planner_{robot_, PlannerConfig{}, WbcConfig{}, BaseLawConfig{}, ClearanceConfig{}};
-  HandleBelief belief_{.position = Vector3d(0.0, -0.06, 1.0)};
+  HandleBelief belief_;
   std::vector<GraspCandidate> candidates_;
   std::uint64_t seed_ = 1;
 };
