@@ -89,7 +89,7 @@ TEST(Erratum06, AdjointOfAGeometricJacobianIsNotTheHandsVelocityButItsRotationIs
 TEST(Erratum07, TurningTheBaseMovesTheHandThoughThePrintedColumnSaysNo) {
   const JointVector q = posture();
   const Kinematics k = test::ur5e_kinematics(kBase, q);
-  const auto turned = [&](double w) {
+  const auto turned = [&](double w) -> Vector3d {
     return test::ur5e_kinematics({kBase.x, kBase.y, kBase.yaw + w}, q).X_WE.translation();
   };
   const Vector3d truth = (turned(kStep) - turned(-kStep)) / (2.0 * kStep);
