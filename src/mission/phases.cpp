@@ -42,6 +42,7 @@ constexpr double kLightForce = 1.5;      // three deviations of noise and drift 
 constexpr double kOpenFingerTime = 0.6;  // [s]
 constexpr double kWithdraw = 0.12;       // the hand leaves the handle by this much [m]
 constexpr double kFoldStep = 0.05;       // 5 cm of a stretched arm [rad]
+constexpr double kOffLeaf = 0.03;        // and the leaf: open fingers round a bar stand nearly as far as its standoff [m]
 constexpr double kRetreatWay = 0.3;      // [m]
 constexpr double kRetreatSpeed = 0.15;   // [m/s]
 constexpr double kRetreatGap = 0.06;     // nearer than this to wall or leaf the base stays [m]
@@ -290,7 +291,7 @@ bool Mission::Impl::let_go(const RobotState& state, double give_time) noexcept {
     solve_hand_twist(state, give, false);
     command.gripper_closed = given_until == 0.0;
     clear_pose = record.kinematics.X_WE;
-    clear_pose.translation() -= kWithdraw * clear_pose.linear().col(2);
+    clear_pose.translation() += kOffLeaf * opener.scene().leaf_normal() - kWithdraw * clear_pose.linear().col(2);
     return false;
   }
   const double left = move_hand(state, clear_pose, kHandSpeed);
@@ -315,7 +316,11 @@ void Mission::Impl::release(const RobotState& state) {
     return;
   }
   command_joints(joint_move.step(state.q, config.period));
-  if (joint_move.done()) process(Event::Clear);
+  if (joint_move.done()) {
+    process(Event::Clear);
+  } else if (time_in_phase > kReachTime) {
+    process(Event::Holding);  // something is in the way: it stays where it is
+  }
 }
 
 // A path of the arm to its driving posture, the base standing. False if there is none.
@@ -340,7 +345,11 @@ void Mission::Impl::regrasp(const RobotState& state) {
     return;
   }
   command_joints(joint_move.step(state.q, config.period));
-  if (joint_move.done()) process(Event::Clear);
+  if (joint_move.done()) {
+    process(Event::Clear);
+  } else if (time_in_phase > kReachTime + kLeadBackTime) {
+    process(Event::GaveUp, EndReason::ApproachBlocked);
+  }
 }
 
 void Mission::Impl::retreat(const RobotState& state) noexcept {

@@ -25,12 +25,13 @@ struct Push {
 
 // Most handles give along the normal or where they are said to: these two lead, one force level ahead of the sides.
 constexpr std::array kPushes = {
-    Push{Axis::Outward, 0}, Push{Axis::Guess, 0}, Push{Axis::Outward, 1}, Push{Axis::Guess, 1},  //
-    Push{Axis::Left, 0},    Push{Axis::Right, 0}, Push{Axis::Up, 0},      Push{Axis::Down, 0},  Push{Axis::Inward, 0},
-    Push{Axis::Outward, 2}, Push{Axis::Guess, 2},  //
-    Push{Axis::Left, 1},    Push{Axis::Right, 1}, Push{Axis::Up, 1},      Push{Axis::Down, 1},  Push{Axis::Inward, 1},
-    Push{Axis::Outward, 3}, Push{Axis::Guess, 3},  //
-    Push{Axis::Left, 2},    Push{Axis::Right, 2}, Push{Axis::Up, 2},      Push{Axis::Down, 2},  Push{Axis::Inward, 2}};
+    Push{Axis::Outward, 0}, Push{Axis::Guess, 0},   Push{Axis::Outward, 1}, Push{Axis::Guess, 1},  //
+    Push{Axis::Left, 0},    Push{Axis::Right, 0},   Push{Axis::Up, 0},      Push{Axis::Down, 0},
+    Push{Axis::Inward, 0},  Push{Axis::Outward, 2}, Push{Axis::Guess, 2},  //
+    Push{Axis::Left, 1},    Push{Axis::Right, 1},   Push{Axis::Up, 1},      Push{Axis::Down, 1},
+    Push{Axis::Inward, 1},  Push{Axis::Outward, 3}, Push{Axis::Guess, 3},  //
+    Push{Axis::Left, 2},    Push{Axis::Right, 2},   Push{Axis::Up, 2},      Push{Axis::Down, 2},
+    Push{Axis::Inward, 2},  Push{Axis::Inward, 3}};
 
 const Push& push_at(int push) noexcept {
   return kPushes[static_cast<std::size_t>(std::clamp(push, 0, static_cast<int>(kPushes.size()) - 1))];

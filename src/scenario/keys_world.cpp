@@ -41,7 +41,8 @@ void bind_dynamics(Section s, MechanismConfig& c, bool hinge) {
   } else {
     s.number("spring_reference_m", c.spring_reference, kAny, "m", "rest position of the spring");
   }
-  s.number("gravity_share", c.gravity_share, kShare, "-", "part of the weight that acts on the joint; 0 = counterbalanced");
+  s.number("gravity_share", c.gravity_share, {-1.0, 1.0}, "-",
+           "part of the weight that acts on the joint; 0 = counterbalanced, below 0 = lifted by its springs");
   s.integer("closer_size", c.closer_size, {0.0, 7.0},
             "door closer by its EN 1154 size; 0 = none, or as in [mechanism.closer]");
   Section closer = s.table("closer");

@@ -28,6 +28,8 @@ class SceneBelief {
 
   /// Outward normal of the wall at the closed handle, unit.
   [[nodiscard]] const Vector3d& normal() const noexcept { return normal_; }
+  /// Outward normal of the leaf as it stands, unit.
+  [[nodiscard]] Vector3d leaf_normal() const noexcept { return -leaf_.pose.linear().col(1); }
 
  private:
   HandleBelief belief_;
