@@ -50,7 +50,8 @@ bool find_posture(const RobotModel& model, const ClearanceConfig& limits, const 
   double best = -std::numeric_limits<double>::infinity();
   for (int i = 0; i < kTurnedPostures && best < kPlenty; ++i) {
     JointVector trial = stated;
-    trial[0] += (i % 2 == 0 ? -1 : 1) * ((i + 1) / 2) * 2.0 * M_PI / kTurnedPostures;
+    const int steps = (i % 2 == 0 ? -1 : 1) * ((i + 1) / 2);
+    trial[0] += steps * 2.0 * M_PI / kTurnedPostures;
     if (!model.solve_ik(base, hand, trial)) continue;
     const double value = posture_value(model, clearance, base, trial);
     if (value <= best) continue;
