@@ -3,7 +3,7 @@ import { Clock } from "./clock";
 import { button, el } from "./dom";
 import { quantity } from "./format";
 import { bindKeys, PhaseBar } from "./phasebar";
-import { plotList } from "./plot_list";
+import { plotList, type PlotDefinition } from "./plot_list";
 import { PlotGroup } from "./plots";
 import { phaseWords } from "./reasons";
 import type { Run } from "./run";
@@ -15,6 +15,11 @@ import { Viewer } from "./viewer";
 
 /** The plots are drawn anew so often [ms]; the 3-D picture with every frame that has news. */
 const REDRAW = 250;
+
+/** The rows of a run that goes on are instants, not means. */
+function instantPlots(run: Run): PlotDefinition[] {
+  return plotList(run).map((d) => ({ ...d, title: d.title.replace(", mean of 20 ms", "") }));
+}
 
 class LivePage {
   private readonly clock: Clock;
@@ -37,7 +42,7 @@ class LivePage {
     this.bar = new PhaseBar(run, this.clock, (time) => time);
     const viewer = new Viewer([run], this.clock, local);
     this.top = new TopView([run], this.clock, local);
-    this.plots = new PlotGroup(plotList(run), new OneRun(run), this.clock);
+    this.plots = new PlotGroup(instantPlots(run), new OneRun(run), this.clock);
     this.plots.element.prepend(this.top.element);
     this.stop = button("Stop the robot", () => void this.askToStop(), { class: "stop" });
     const follow = button("Follow", () => this.follow());

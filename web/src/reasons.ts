@@ -6,7 +6,7 @@ interface Reason {
   look?: string;
 }
 
-const REASONS: Record<string, Reason> = {
+export const REASONS: Record<string, Reason> = {
   running: { what: "It had not ended when the record stops." },
   goal_reached: { what: "It opened as far as was wanted." },
   stop_felt: { what: "It was opened until an end stop was felt." },
@@ -24,7 +24,7 @@ const REASONS: Record<string, Reason> = {
     look: "the force in phase probe",
   },
   opens_away: {
-    what: "It gives when pushed, so it opens away from the robot; pushing through a doorway is not attempted.",
+    what: "It gives when pushed, so it opens away from the robot, and the robot sees no doorway through which it could push it.",
     look: "the opening in phase probe",
   },
   needs_more_force: {
@@ -63,7 +63,7 @@ export function reasonWords(reason: string | undefined): Reason {
   return REASONS[reason ?? ""] ?? { what: `It ended: ${reason ?? "unknown"}.` };
 }
 
-const PHASES: Record<string, string> = {
+export const PHASES: Record<string, string> = {
   choose: "chooses where to stand and how to take the handle",
   approach: "drives up",
   reach: "brings the hand in front of the handle",
@@ -71,6 +71,7 @@ const PHASES: Record<string, string> = {
   grasp: "closes the fingers",
   probe: "feels which way it gives",
   open: "opens",
+  regrasp: "lets go to take it in another way",
   release: "lets go",
   retreat: "drives back",
   done: "has finished",
