@@ -24,7 +24,7 @@ function makeRuns() {
   const wrong = ["--set", "belief.direction_error_deg=60", "--seed", "3"];
   ajar("run", "scenarios/demo.toml", ...wrong, "--quiet", "--out", join(folder, "guess wrong by 60°"));
   ajar("report", join(folder, "demo"), join(folder, "guess wrong by 60°"), "--out", join(folder, "comparison.html"));
-  ajar("campaign", "campaigns/doors.toml", "--quiet", "--out", join(folder, "doors"));
+  ajar("campaign", "campaigns/doors.toml", "--runs", "24", "--quiet", "--out", join(folder, "doors"));
 }
 
 const SHOTS = [

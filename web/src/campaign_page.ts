@@ -16,7 +16,7 @@ const COLUMNS: Column[] = [
   { name: "run", label: "run", width: 70, digits: 0 },
   { name: "outcome", label: "outcome", width: 95 },
   { name: "phase", label: "phase", width: 90 },
-  { name: "reason", label: "reason", width: 150 },
+  { name: "reason", label: "reason", width: 180 },
   { name: "mechanism_type_true", label: "type", width: 70 },
   { name: "opening_fraction", label: "opened %", width: 95, digits: 0, share: true },
   { name: "open_duration_s", label: "opening s", width: 100, digits: 1 },
@@ -186,7 +186,11 @@ export function showCampaign(root: HTMLElement, campaign: Campaign): void {
     el(
       "header",
       {},
-      el("p", { class: "origin" }, `Campaign ${campaign.json.name} · ${campaign.json.origin} · seed ${campaign.json.seed}`),
+      el(
+        "p",
+        { class: "origin" },
+        `Campaign ${campaign.json.name} · ${campaign.json.origin.replace(/.*\//, "")} · seed ${campaign.json.seed}`,
+      ),
       el("h1", {}, "What came of the runs"),
       board.tiles,
     ),

@@ -9,6 +9,9 @@ import type { Run } from "./run";
 
 export type Preset = "follow" | "top" | "side" | "free";
 
+/** A picture that has not changed for so long stands [ms]. */
+const STILL = 250;
+
 /** One run in the picture: the robot, what it opens, and what is drawn over them. */
 class Actor {
   readonly robot: RobotFigure;
@@ -98,6 +101,11 @@ export class Viewer {
   private readonly presets = new Map<Preset, HTMLButtonElement>();
   private preset: Preset = "follow";
   private readonly sharpness = new Sharpness();
+  private readonly sun = new THREE.DirectionalLight("#fff6e8", 1.7);
+  /** Without a graphics card, smooth edges and shadows are drawn when the picture stands, and left out in motion. */
+  private readonly card = hasGraphicsCard();
+  private fine = false;
+  private drawn = 0;
   private dirty = true;
   private frames = 0;
 
@@ -133,17 +141,16 @@ export class Viewer {
     const loop = (): void => {
       requestAnimationFrame(loop);
       if (this.dirty) this.draw();
+      else if (!this.card && !this.fine && !this.clock.playing && performance.now() - this.drawn > STILL) this.refine();
     };
     loop();
   }
 
   private makeRenderer(): THREE.WebGLRenderer | null {
     try {
-      // Without a graphics card, smooth edges and shadows cost more than they show.
-      const card = hasGraphicsCard();
-      const renderer = new THREE.WebGLRenderer({ antialias: card });
+      const renderer = new THREE.WebGLRenderer({ antialias: this.card });
       renderer.setPixelRatio(this.sharpness.ratio);
-      renderer.shadowMap.enabled = card;
+      renderer.shadowMap.enabled = true;
       renderer.shadowMap.type = THREE.PCFShadowMap;
       renderer.domElement.setAttribute("role", "img");
       renderer.domElement.setAttribute(
@@ -159,9 +166,9 @@ export class Viewer {
 
   private light(): void {
     this.scene.add(new THREE.HemisphereLight("#ffffff", "#b5b0aa", 2.1));
-    const sun = new THREE.DirectionalLight("#fff6e8", 1.7);
+    const { sun } = this;
     sun.position.set(-2.5, -4, 6);
-    sun.castShadow = true;
+    this.sun.castShadow = this.card;
     sun.shadow.mapSize.set(1024, 1024);
     sun.shadow.bias = -0.0005;
     sun.shadow.normalBias = 0.02;
@@ -270,9 +277,21 @@ export class Viewer {
     this.dirty = true;
   }
 
+  /** Draws the same picture once more, as fine as a graphics card would. */
+  private refine(): void {
+    this.fine = true;
+    this.sun.castShadow = true;
+    this.renderer?.setPixelRatio(2 * Math.min(2, window.devicePixelRatio));
+    this.renderer?.render(this.scene, this.camera);
+  }
+
   private draw(): void {
     this.dirty = false;
-    if (this.sharpness.next(this.clock.playing, performance.now())) this.renderer?.setPixelRatio(this.sharpness.ratio);
+    this.drawn = performance.now();
+    const changed = this.sharpness.next(this.clock.playing, this.drawn);
+    if (changed || this.fine) this.renderer?.setPixelRatio(this.sharpness.ratio);
+    this.fine = false;
+    this.sun.castShadow = this.card;
     for (const actor of this.actors) actor.show(this.local(actor.run, this.clock.time));
     this.follow();
     this.renderer?.render(this.scene, this.camera);
