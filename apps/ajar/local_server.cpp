@@ -32,7 +32,7 @@ std::size_t number_or_zero(const std::string& text) {
 
 void send(const Answer& answer, httplib::Response& response) {
   response.status = answer.status;
-  response.set_content(answer.body, answer.type.c_str());
+  response.set_content(answer.body, answer.type);
 }
 
 }  // namespace
@@ -77,19 +77,19 @@ LocalServer::LocalServer() : impl_(std::make_unique<Impl>()) {
 
 LocalServer::~LocalServer() { stop(); }
 
-void LocalServer::on_get(const std::string& name, Handler handler) {
+void LocalServer::on_get(const std::string& name, const Handler& handler) {
   impl_->http.Get(impl_->pattern(name) + "([0-9]*)",
                   [handler](const httplib::Request& request, httplib::Response& response) {
                     send(handler(request.matches[1].str()), response);
                   });
 }
 
-void LocalServer::on_post(const std::string& name, Handler handler) {
+void LocalServer::on_post(const std::string& name, const Handler& handler) {
   impl_->http.Post(impl_->pattern(name),
                    [handler](const httplib::Request&, httplib::Response& response) { send(handler({}), response); });
 }
 
-void LocalServer::on_events(const std::string& name, Source source) {
+void LocalServer::on_events(const std::string& name, const Source& source) {
   impl_->http.Get(
       impl_->pattern(name), [impl = impl_.get(), source](const httplib::Request& request, httplib::Response& response) {
         if (impl->viewers.fetch_add(1) >= kViewers) {

@@ -26,11 +26,11 @@ class LocalServer {
   LocalServer& operator=(const LocalServer&) = delete;
 
   /// Answers GET TOKEN/NAME…; the handler gets what follows the name. Before start() only.
-  void on_get(const std::string& name, Handler handler);
+  void on_get(const std::string& name, const Handler& handler);
   /// Answers POST TOKEN/NAME.
-  void on_post(const std::string& name, Handler handler);
+  void on_post(const std::string& name, const Handler& handler);
   /// Sends server-sent events at TOKEN/NAME; a viewer that comes again goes on where it was.
-  void on_events(const std::string& name, Source source);
+  void on_events(const std::string& name, const Source& source);
 
   /// Takes a free port and begins to answer. @throws ajar::IoError
   void start();

@@ -108,6 +108,7 @@ std::string make_campaign_page(const fs::path& folder) {
     }
   }
   std::vector<const std::vector<double>*> packed;
+  packed.reserve(columns.size());
   for (const auto& column : columns) packed.push_back(&column);
   const std::string name = folder_name(folder);
   const Json campaign = {{"name", name},

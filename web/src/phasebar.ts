@@ -55,7 +55,7 @@ export class PhaseBar {
       const part = el(
         "span",
         { style: `left:${(100 * (s.from + offset - start)) / span}%;width:${width}%;background:${hue(s.phase)}` },
-        width > 5 ? s.phase : "",
+        width > 7.5 ? s.phase : "",
       );
       part.title = `${s.phase}: the robot ${phaseWords(s.phase)}, ${quantity(s.to - s.from, "s", 1)}`;
       this.strip.append(part);
