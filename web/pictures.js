@@ -35,6 +35,7 @@ const SHOTS = [
     name: "campaign",
     page: "doors/report.html",
     height: 1250,
+    act: (page) => page.getByRole("button", { name: "Failures" }).click(),
   },
 ];
 
@@ -54,6 +55,7 @@ for (const shot of SHOTS) {
       slider.dispatchEvent(new Event("input"));
     }, shot.time);
   }
+  await shot.act?.(page);
   await page.waitForTimeout(1000); // the picture that was asked for last is drawn
   await page.screenshot({ path: join(PICTURES, `${shot.name}.png`) });
   await page.close();
