@@ -41,11 +41,11 @@ ajar::RunResult run_one(const ajar::Scenario& scenario, const ajar::RunOptions& 
 }
 
 /// One run again, with its folder; the campaign's rows stay as they are.
-int replay(const ajar::Campaign& campaign, const CampaignArguments& arguments) {
+int replay(const ajar::Campaign& campaign, int index, const CampaignArguments& arguments) {
   ajar::RunOptions options;
-  options.folder = ajar::run_folder(campaign_folder(arguments), *arguments.replay);
+  options.folder = ajar::run_folder(campaign_folder(arguments), index);
   options.stop = &interrupted();
-  const ajar::RunResult result = ajar::replay_run(campaign, *arguments.replay, run_one, options);
+  const ajar::RunResult result = ajar::replay_run(campaign, index, run_one, options);
   fmt::print("{} ({} in phase {})\n{}\n", result.outcome, result.reason, result.phase,
              (options.folder / "report.html").string());
   return result.exit_code();
@@ -56,7 +56,7 @@ int run_all(const CampaignArguments& arguments) {
   if (arguments.runs) campaign.runs = *arguments.runs;
   if (arguments.seed) campaign.seed = *arguments.seed;
 
-  if (arguments.replay) return replay(campaign, arguments);
+  if (arguments.replay) return replay(campaign, *arguments.replay, arguments);
 
   CampaignTicker ticker;
   ajar::CampaignOptions options;
