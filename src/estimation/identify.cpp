@@ -10,114 +10,27 @@
 #include "ajar/core/so3.hpp"
 #include "ajar/estimation/type_decision.hpp"
 #include "robust_path.hpp"
+#include "track_bins.hpp"
 #include "track_fit.hpp"
 
 namespace ajar {
 namespace {
 
-constexpr std::size_t kLeastSamples = 8;      // six parameters of a circle in space
-constexpr std::size_t kMaxBins = 300;         // of one fit: the work grows with their cube
-constexpr double kBinLength = 0.002;          // as in the recursive filter [m]
-constexpr double kLeastExtent = 1e-3;         // samples closer together than this are one point [m]
-constexpr double kOutlier = 4.0;              // standard deviations of the robust fit
-constexpr double kRayleighMedian = 1.17741;   // median of the length of two normal components, √(2 ln 2)
-constexpr double kSlideSagitta = 5e-3;        // [m]
-constexpr double kMostSlideCurvature = 0.25;  // [1/m]
-constexpr double kAstray = 0.01;              // so far off a sample is not of this path, even if furniture is uneven [m]
-constexpr int kRun = 5;                       // so many in a row are no glitch
+constexpr std::size_t kMaxBins = 300;        // of one fit: the work grows with their cube
+constexpr double kBinLength = 0.002;         // as in the recursive filter [m]
+constexpr double kOutlier = 4.0;             // standard deviations of the robust fit
+constexpr double kRayleighMedian = 1.17741;  // median of the length of two normal components, √(2 ln 2)
+constexpr double kAstray = 0.01;             // so far off a sample is not of this path, even if furniture is uneven [m]
+constexpr int kRun = 5;                      // so many in a row are no glitch
 constexpr double kLeastExplained = 0.55;
 constexpr double kOneCurveLimit = 13.8;  // tail of 1e-3 of χ² with 2 degrees of freedom
 constexpr double kPrior = 3.0;           // of each component of k, as in the recursive filter [1/m]
 constexpr double kStraightPrior = 1e-6;  // a prior that allows no curvature [1/m]
 constexpr double kNoisePrior = 20.0;     // rows of prior data that say "the assumed noise is right"
-constexpr double kGripLimit = 40.0;      // as in the recursive grip test (docs/equations.md#estimator, 8)
+constexpr double kGripLimit = 23.5;      // as in the recursive grip test (docs/equations.md#estimator, 8)
 constexpr double kGripMargin = 0.2;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kCurved = 1e-6;  // below this k has no direction [1/m]
-
-// Measured on recordings: white and correlated part of each kind (docs/equations.md#identify).
-PoseNoise noise_of(SensorKind sensor) {
-  PoseNoise noise;  // the robot's, with orientation
-  noise.position_walk = noise.rotation_walk = 0.0;
-  if (sensor == SensorKind::MotionCapture) {
-    noise.position_white = 0.2e-3;
-    noise.position_correlated = 0.8e-3;
-  }
-  if (sensor == SensorKind::Vision) {
-    noise.position_white = 0.5e-3;
-    noise.position_correlated = 2.5e-3;
-  }
-  return noise;
-}
-
-// A robot's hand follows its mechanism closely. What people and cameras record of furniture bends on its own: slides by
-// about 5 mm from a line (the measured sliding cabinets by 4-7 mm), which over a length S is a curvature of 8 · 5 mm/S².
-TypeThresholds thresholds_of(SensorKind sensor, double length) {
-  TypeThresholds thresholds;
-  if (sensor == SensorKind::Robot) return thresholds;
-  const double bend = 8.0 * kSlideSagitta / std::max(length * length, 1e-9);
-  return {.slide_curvature = std::clamp(bend, thresholds.slide_curvature, kMostSlideCurvature),
-          .hinge_curvature = 0.6,
-          .threshold = 20.0};
-}
-
-std::vector<Vector3d> handle_positions(const Track& track, const IdentifyConfig& config, const std::string& name) {
-  std::vector<Vector3d> positions;
-  for (const TrackSample& sample : track.samples) {
-    if (!sample.position.allFinite() || !sample.rotation.allFinite() || !sample.force.allFinite()) {
-      throw ConfigError(name + ": sample " + std::to_string(positions.size() + 1) + " is not finite");
-    }
-    positions.push_back(sample.position - sample.force / config.grasp_stiffness);
-  }
-  if (positions.size() < kLeastSamples) {
-    throw ConfigError(name + ": " + std::to_string(positions.size()) + " samples; at least " +
-                      std::to_string(kLeastSamples));
-  }
-  double extent = 0.0;
-  for (const Vector3d& p : positions) extent = std::max(extent, (p - positions.front()).norm());
-  if (!(extent > kLeastExtent)) throw ConfigError(name + ": all samples are at one point");
-  return positions;
-}
-
-double median_of(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
-struct Binned {
-  std::vector<PathBin> bins;
-  std::vector<double> arcs;
-};
-
-// Means of the inliers of each stretch of path, in order of travel.
-Binned bins_of(const Track& track, const std::vector<Vector3d>& positions, const Identification& result, double length) {
-  Binned binned;
-  Vector3d turn = Vector3d::Zero();
-  Matrix3d reference = Matrix3d::Identity();
-  const auto close = [&] {
-    if (!binned.bins.empty()) binned.bins.back().rotation = exp_so3(turn) * reference;
-  };
-  for (std::size_t i = 0; i < positions.size(); ++i) {
-    if (!result.inlier[i]) continue;
-    const Matrix3d& R = track.samples[i].rotation;
-    if (binned.bins.empty() || std::abs(result.arc[i] - binned.arcs.back()) > length) {
-      close();
-      binned.bins.push_back({.count = 1.0, .position = positions[i]});
-      binned.arcs.push_back(result.arc[i]);
-      turn.setZero();
-      reference = R;
-      continue;
-    }
-    PathBin& bin = binned.bins.back();
-    bin.count += 1.0;
-    bin.position += (positions[i] - bin.position) / bin.count;
-    binned.arcs.back() += (result.arc[i] - binned.arcs.back()) / bin.count;
-    turn += (log_so3(R * reference.transpose()) - turn) / bin.count;
-  }
-  close();
-  return binned;
-}
 
 void scale_position(PoseNoise& noise, double factor) {
   noise.position_white *= factor;
@@ -149,7 +62,7 @@ bool grip_is_rigid(const TrackFit& with, const TrackFit& without) {
 class Identifier {
  public:
   Identifier(const Track& track, const IdentifyConfig& config, const std::string& name)
-      : track_(track), config_(config), name_(name), positions_(handle_positions(track, config, name)) {}
+      : track_(track), config_(config), name_(name), positions_(handle_positions(track, config.grasp_stiffness, name)) {}
 
   Identification run() {
     find_outliers();
@@ -176,10 +89,10 @@ class Identifier {
     result_.explained = explained_share();
     start_ = robust.path;
     double length = std::max(kBinLength, 3.0 * noise_of(config_.sensor).position_white);
-    binned_ = bins_of(track_, positions_, result_, length);
+    binned_ = bins_of(track_, positions_, result_.inlier, result_.arc, length);
     while (binned_.bins.size() > kMaxBins) {
       length *= 1.3;
-      binned_ = bins_of(track_, positions_, result_, length);
+      binned_ = bins_of(track_, positions_, result_.inlier, result_.arc, length);
     }
     if (binned_.bins.size() < 4) throw ConfigError(name_ + ": fewer than 4 places along the path are left without outliers");
   }
@@ -258,7 +171,7 @@ class Identifier {
     Eigen::Matrix2d C = 2.0 * floor * floor * Eigen::Matrix2d::Identity();
     double kappa[2] = {0.0, 0.0};
     for (const int half : {0, 1}) {
-      Binned part;
+      BinnedTrack part;
       for (std::size_t i = 0; i < binned_.bins.size(); ++i) {
         if ((binned_.arcs[i] > middle) != (half == 1)) continue;
         part.bins.push_back(binned_.bins[i]);
@@ -315,7 +228,7 @@ class Identifier {
   std::string name_;
   std::vector<Vector3d> positions_;
   Identification result_;
-  Binned binned_;
+  BinnedTrack binned_;
   PathState start_;
   PoseNoise noise_;
   TrackFit best_;

@@ -23,12 +23,15 @@ constexpr double kCurvatureFloor = 0.02;  // share of Γ that stays [-]
 constexpr double kPullRate = 20.0;        // rate at which a sure filter draws direction and curvature to itself [1/s]
 constexpr double kMaxTurnRate = 1.5;      // hand-over and restarts turn the direction no faster [rad/s]
 constexpr double kMaxBendRate = 8.0;      // nor bend the curvature faster [1/(m s)]
-// Squared distance of the filters with and without orientation at which the grip pivots. The covariance of the difference is
-// C_pos - C_rigid, nearly singular in what orientation hardly improves; a fifth of C_pos on top keeps linearisation errors
-// out (420 simulated rigid grasps on 0.4 m, 0.8 m and slides: none beyond 40, nine in ten never beyond 12; without it 51).
-constexpr double kGripLimit = 40.0;
+// Squared distance of the filters with and without orientation at which the grip pivots: the tail of 1e-4 of χ² with 4
+// degrees of freedom. The covariance of the difference is C_pos - C_rigid, nearly singular in what orientation hardly
+// improves; a fifth of C_pos on top keeps linearisation errors out (docs/equations.md#estimator, 8).
+constexpr double kGripLimit = 23.5;
 constexpr double kGripMargin = 0.2;
 constexpr double kStiffnessDoubt = 0.5;  // K_c known to a factor of two: so much of f/K_c is error [-]
+constexpr double kFrozenWay = 1e-3;      // far beyond any encoder's step [m]
+constexpr double kBlindWay = 0.1;        // furniture's curvature changes by its own floor within about that [m]
+constexpr double kLongestTick = 0.1;     // no control loop is slower [s]
 constexpr double kTurnSure = 2.0;        // |k| over its sigma from which its direction is an axis [-]
 
 bool positive(double value) { return std::isfinite(value) && value > 0.0; }
@@ -63,6 +66,7 @@ void EstimatorConfig::validate() const {
   require(hinge_curvature > slide_curvature && std::isfinite(hinge_curvature), "hinge_curvature", hinge_curvature,
           "> slide_curvature");
   require(positive(type_threshold), "type_threshold", type_threshold, "> 0");
+  require(positive(slide_threshold), "slide_threshold", slide_threshold, "> 0");
   require(not_negative(relative_curvature_floor), "relative_curvature_floor", relative_curvature_floor, ">= 0");
 }
 
@@ -80,6 +84,11 @@ struct MechanismEstimator::Impl {
   double unseen_travel = 0.0;  // base travel of the ticks that were not learnt from [m]
   double travel = 0.0;         // base travel since reset [m]
   double sign = 1.0;           // of the motion for opening against the filter's order of travel
+  double still_way = 0.0;      // way that the speed says since the pose last changed [m]
+  double blind_way = 0.0;      // way since the last measurement that was not refused [m]
+  double speed = 0.0;          // of the hand, last known [m/s]
+  Pose last_hand = Pose::Identity();
+  MechanismEstimate seen;  // the estimate before it went blind
 
   [[nodiscard]] const PathFilter& path() const { return estimate.rigid_grasp ? rigid_path : free_path; }
 
@@ -92,6 +101,8 @@ struct MechanismEstimator::Impl {
   void follow(const EstimatorInput& input, const Vector3d& point, bool moving);
   void follow_law(const EstimatorInput& input, double direction_share, double curvature_share);
   void publish(const PathOutput& out);
+  [[nodiscard]] bool frozen(const EstimatorInput& input);
+  void go_blind(double dt);
   void publish_angle(const Matrix3d& rotation);
 };
 
@@ -135,7 +146,11 @@ MechanismType MechanismEstimator::Impl::type_of(const PathFilter& filter) const 
   const PathOutput out = filter.output();
   Eigen::Matrix2d C = out.covariance.block<2, 2>(4, 4);
   C.diagonal().array() += with_floor(0.0, out.kap.norm());
-  return decide_type(out.kap, C, {config.slide_curvature, config.hinge_curvature, config.type_threshold});
+  return decide_type(out.kap, C,
+                     {.slide_curvature = config.slide_curvature,
+                      .hinge_curvature = config.hinge_curvature,
+                      .threshold = config.type_threshold,
+                      .slide_threshold = config.slide_threshold});
 }
 
 // A decision stands until the opposite is decided; orientation alone may not decide for a slide, for a pivoting grip looks
@@ -229,6 +244,29 @@ void MechanismEstimator::Impl::publish_angle(const Matrix3d& rotation) {
   estimate.angle_sigma = std::hypot(estimate.arc * estimate.curvature_sigma, along);
 }
 
+// A pose that stays the same to the last bit while the hand is said to move is none.
+bool MechanismEstimator::Impl::frozen(const EstimatorInput& input) {
+  const bool same = input.hand.matrix() == last_hand.matrix();
+  last_hand = input.hand;
+  still_way = same ? still_way + input.velocity.norm() * input.dt : 0.0;
+  return still_way > kFrozenWay;
+}
+
+// Without measurements the estimate keeps its value while the handle goes on at the last known speed: over a way s its
+// direction turns by (|k| + σ_k) s unseen, and σ_k doubles within kBlindWay. (docs/equations.md#estimator, 10)
+void MechanismEstimator::Impl::go_blind(double dt) {
+  if (blind_way == 0.0) seen = estimate;
+  blind_way += std::max(speed, config.still_speed) * dt;
+  const double turn = (seen.curvature.norm() + seen.curvature_sigma) * blind_way;
+  const double doubled = blind_way / kBlindWay;
+  estimate.covariance = seen.covariance;
+  estimate.covariance.diagonal().head<2>().array() += 0.5 * turn * turn;
+  estimate.covariance.bottomRightCorner<2, 2>() *= 1.0 + doubled * doubled;
+  estimate.direction_sigma = std::hypot(seen.direction_sigma, turn);
+  estimate.curvature_sigma = std::hypot(seen.curvature_sigma, seen.curvature_sigma * doubled);
+  estimate.angle_sigma = std::hypot(seen.angle_sigma, turn);
+}
+
 MechanismEstimator::MechanismEstimator(const EstimatorConfig& config) {
   config.validate();
   impl_ = std::make_unique<Impl>(config);
@@ -256,6 +294,8 @@ void MechanismEstimator::reset(const Pose& hand, const Vector3d& direction_guess
   m.last_point = m.start.translation();
   m.unseen_travel = m.travel = 0.0;
   m.sign = 1.0;
+  m.still_way = m.blind_way = m.speed = 0.0;
+  m.last_hand = m.start;
   MechanismEstimate fresh;
   fresh.rigid_grasp = m.config.use_rotation;
   fresh.direction = m.law.x;
@@ -275,9 +315,16 @@ void MechanismEstimator::reset(const Pose& hand, const Vector3d& direction_guess
 EstimatorStatus MechanismEstimator::update(const EstimatorInput& input) noexcept {
   Impl& m = *impl_;
   if (!std::isfinite(input.dt) || input.dt <= 0.0 || !input.hand.matrix().allFinite() || !input.velocity.allFinite() ||
-      !input.force.allFinite() || !input.normal_correction.allFinite() || !std::isfinite(input.base_travel)) {
+      !input.force.allFinite() || !input.normal_correction.allFinite() || !std::isfinite(input.base_travel) ||
+      m.frozen(input)) {
+    m.go_blind(std::isfinite(input.dt) ? std::clamp(input.dt, 0.0, kLongestTick) : 0.0);
     return EstimatorStatus::Invalid;
   }
+  if (m.blind_way > 0.0) {
+    m.estimate = m.seen;
+    m.blind_way = 0.0;
+  }
+  m.speed = input.velocity.norm();
   m.travel += std::abs(input.base_travel);
   m.unseen_travel += std::abs(input.base_travel);
   if (!input.learn) return EstimatorStatus::Held;

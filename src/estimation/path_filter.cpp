@@ -22,6 +22,7 @@ constexpr int kStartBins = 4;         // least bins of the first fit
 constexpr int kVerifyBins = 5;        // least bins of a fresh fit after an alarm
 constexpr int kOutliersInRow = 3;     // the third outlying bin in a row is an alarm
 constexpr int kRejectedInRow = 3;     // at most so many samples are left out in a row
+constexpr double kRestSigma = 5.0;    // bins are at least so many standard deviations of what closes them
 constexpr double kRejectSigma = 6.0;  // a sample further off the curve is left out
 constexpr double kNoisePrior = 20.0;  // ν0: rows of prior data that say "the stated noise is right"
 constexpr double kNoiseFloor = 0.1;   // least noise scale
@@ -62,6 +63,9 @@ void PathFilterConfig::validate() const {
 
 PathFilter::PathFilter(const PathFilterConfig& config) : config_(config) {
   config.validate();
+  // As few samples as keep a rest from opening bins: their mean's noise is then kRestSigma times smaller than a bin.
+  const double ratio = kRestSigma * config.noise.position_white / bin_length();
+  recent_needed_ = std::clamp(static_cast<int>(std::ceil(ratio * ratio)), 1, kRecent);
   reset();
 }
 
@@ -132,13 +136,14 @@ PathBin PathFilter::closed_bin() const noexcept {
 
 bool PathFilter::left_bin(const Vector3d& position) noexcept {
   // The mean of the last samples must have left the bin's mean: noise at rest opens no bins.
-  if (recent_count_ == kRecent) std::rotate(recent_.begin(), recent_.begin() + 1, recent_.end());
-  recent_count_ = std::min(recent_count_ + 1, kRecent);
+  const auto needed = static_cast<std::size_t>(recent_needed_);
+  if (recent_count_ == recent_needed_) std::rotate(recent_.begin(), recent_.begin() + 1, recent_.begin() + recent_needed_);
+  recent_count_ = std::min(recent_count_ + 1, recent_needed_);
   recent_[static_cast<std::size_t>(recent_count_ - 1)] = position;
-  if (recent_count_ < kRecent) return false;
+  if (recent_count_ < recent_needed_) return false;
   Vector3d mean = Vector3d::Zero();
-  for (const Vector3d& p : recent_) mean += p / kRecent;
-  return (mean - current_.bin.position).norm() > std::max(config_.bin_length, 3.0 * config_.noise.position_white);
+  for (std::size_t i = 0; i < needed; ++i) mean += recent_[i] / static_cast<double>(recent_needed_);
+  return (mean - current_.bin.position).norm() > bin_length();
 }
 
 bool PathFilter::far_off(const PathSample& sample) const noexcept {
@@ -151,6 +156,8 @@ bool PathFilter::far_off(const PathSample& sample) const noexcept {
   const double limit2 = kRejectSigma * kRejectSigma * noise_scale_ * variance;
   return (e.tail<2>() - state_.error.head<2>()).squaredNorm() > limit2;
 }
+
+double PathFilter::bin_length() const noexcept { return std::max(config_.bin_length, 3.0 * config_.noise.position_white); }
 
 double PathFilter::start_length() const noexcept {
   return std::max(config_.start_length, 6.0 * std::hypot(config_.noise.position_white, config_.noise.position_correlated));

@@ -61,6 +61,7 @@ void join_errors(const Problem& problem, const Matrix9d& transport, const Matrix
   Eigen::Matrix<double, 14, 9> A = Eigen::Matrix<double, 14, 9>::Zero();
   A.topRows<9>() = transport;
   Eigen::Matrix<double, 14, 1> own = Eigen::Matrix<double, 14, 1>::Zero();
+  Matrix3d own_turn = Matrix3d::Zero();
   const auto add = [&](int index, const ErrorPosterior& posterior) {
     state.error[index] = posterior.mean;
     A.row(9 + index) = posterior.slope;
@@ -69,14 +70,25 @@ void join_errors(const Problem& problem, const Matrix9d& transport, const Matrix
   const Eigen::LLT<Problem::BinMatrix> across(problem.series_covariance(1.0, 0.0));
   for (int c = 0; c < 2; ++c) add(c, newest_error(across, position, position[last], problem.position[c]));
   if (problem.config->use_rotation) {
+    // Along k the error of the position along the path takes part.
+    const double k2 = problem.anchor.kap.squaredNorm();
+    const Matrix3d axes = problem.rotation_axes();
+    const Eigen::LLT<Problem::BinMatrix> along(problem.series_covariance(k2, 1.0));
     const Eigen::LLT<Problem::BinMatrix> turn(problem.series_covariance(0.0, 1.0));
-    for (int c = 0; c < 3; ++c) add(2 + c, newest_error(turn, rotation, cR2, problem.rotation[c]));
+    for (int c = 0; c < 3; ++c) {
+      const Problem::BinVector with_newest = c == 0 ? Problem::BinVector(rotation + k2 * position) : rotation;
+      add(2 + c, newest_error(c == 0 ? along : turn, with_newest, with_newest[last], problem.rotation_series(axes.col(c))));
+    }
+    state.error.tail<3>() = axes * Vector3d(state.error.tail<3>());
+    A.bottomRows<3>() = (axes * A.bottomRows<3>()).eval();
+    own_turn = axes * own.tail<3>().asDiagonal() * axes.transpose();
   } else {
     state.error.tail<3>().setZero();
-    own.tail<3>().setConstant(cR2);
+    own_turn = cR2 * Matrix3d::Identity();
   }
   state.P.noalias() = A * C * A.transpose();
-  state.P.diagonal() += own;
+  state.P.diagonal().head<11>() += own.head<11>();
+  state.P.bottomRightCorner<3, 3>() += own_turn;
 }
 
 }  // namespace

@@ -23,6 +23,17 @@ double update_row(Matrix14d& P, Vector14d& d, const Vector14d& row, double resid
   return innovation * innovation / S;
 }
 
+// Odometry's yaw error turns all that the robot believes, path, curvature and grasp alike; its position error shifts it.
+void add_walk(PathState& state, double travel, const PoseNoise& noise) {
+  const Vector3d up = state.F.row(2);  // the base's axis of yaw, local axes
+  Eigen::Matrix<double, 9, 1> turn = Eigen::Matrix<double, 9, 1>::Zero();
+  turn.segment<2>(2) = up.tail<2>();
+  turn.segment<2>(4) = up.x() * Vector2d(-state.kap.y(), state.kap.x());  // the frame does not roll, the curvature does
+  turn.tail<3>() = up;
+  state.P.topLeftCorner<9, 9>().noalias() += noise.rotation_walk * travel * turn * turn.transpose();
+  state.P.diagonal().head<2>().array() += noise.position_walk * travel;
+}
+
 void apply_error(PathState& state, const Vector14d& d) {
   state.p += state.F.rightCols<2>() * d.head<2>();
   state.R = exp_so3(state.F * d.segment<3>(6)) * state.R;
@@ -69,10 +80,12 @@ void predict_path(PathState& state, double ds, const PathBin& bin, const PoseNoi
   const double fresh = 1.0 - ro * ro;
   const double cp2 = noise.position_correlated * noise.position_correlated + bin.extra_sigma * bin.extra_sigma;
   const double cR2 = noise.rotation_correlated * noise.rotation_correlated;
-  P.diagonal().head<2>().array() += noise.position_walk * bin.base_travel;
-  P.diagonal().segment<3>(6).array() += noise.rotation_walk * bin.base_travel;
   P.diagonal().segment<2>(9).array() += cp2 * fresh;
   P.diagonal().tail<3>().array() += cR2 * fresh;
+  // The correlated error along the path shows in the rotation about k.
+  const Vector3d kl = local_curvature(state.kap);
+  P.bottomRightCorner<3, 3>() += cp2 * fresh * kl * kl.transpose();
+  if (bin.base_travel > 0.0) add_walk(state, bin.base_travel, noise);
   P = (0.5 * (P + P.transpose())).eval();
 
   state.error *= ro;
@@ -97,8 +110,7 @@ PathCorrection correct_path(PathState& state, const PathBin& bin, const PoseNois
     const Vector3d u = kappa > kStraight ? Vector3d(local_curvature(state.kap) / kappa) : Vector3d::UnitZ();
     const Vector3d axes[3] = {u, Vector3d::UnitX(), u.cross(Vector3d::UnitX())};
     const double rotation_white = noise.rotation_white * noise.rotation_white / bin.count;
-    const double cp2 = noise.position_correlated * noise.position_correlated + bin.extra_sigma * bin.extra_sigma;
-    const double along_k = kappa * kappa * (white + cp2);
+    const double along_k = kappa * kappa * white;
     for (int i = 0; i < 3; ++i) {
       Vector14d row = Vector14d::Zero();
       row.segment<3>(6) = axes[i];

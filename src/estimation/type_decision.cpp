@@ -22,7 +22,7 @@ TypeDistances type_distances(const Vector2d& kap, const Eigen::Matrix2d& C, cons
 MechanismType decide_type(const Vector2d& kap, const Eigen::Matrix2d& C, const TypeThresholds& thresholds) noexcept {
   const TypeDistances distance = type_distances(kap, C, thresholds);
   if (distance.slide - distance.hinge > thresholds.threshold) return MechanismType::Hinge;
-  if (distance.hinge - distance.slide > thresholds.threshold) return MechanismType::Slide;
+  if (distance.hinge - distance.slide > thresholds.slide_threshold) return MechanismType::Slide;
   return MechanismType::Unknown;
 }
 

@@ -39,7 +39,8 @@ void bind(Section s, EstimatorConfig& c) {
            "largest rate at which a reaction force turns the guess of a stuck handle");
   s.number("slide_curvature", c.slide_curvature, kPositive, "1/m", "largest curvature that still counts as a slide");
   s.number("hinge_curvature", c.hinge_curvature, kPositive, "1/m", "smallest curvature that counts as a hinge");
-  s.number("type_threshold", c.type_threshold, kPositive, "-", "evidence that the decision hinge or slide needs");
+  s.number("type_threshold", c.type_threshold, kPositive, "-", "evidence that the decision for a hinge needs");
+  s.number("slide_threshold", c.slide_threshold, kPositive, "-", "evidence that the decision for a slide needs");
   s.number("relative_curvature_floor", c.relative_curvature_floor, kNotNegative, "-",
            "furniture is no circle: least relative sigma of the curvature");
   s.flag("use_rotation", c.use_rotation, "false: the grip is known to pivot, positions only");

@@ -203,7 +203,7 @@ TEST(MechanismEstimator, FramesAndCovarianceBelongTogether) {
   EXPECT_GE(e.curvature_sigma, 0.1 * e.curvature.norm());
 }
 
-TEST(MechanismEstimator, NumbersThatAreNotFiniteChangeNothing) {
+TEST(MechanismEstimator, NumbersThatAreNotFiniteLeaveTheValueAndItsUncertaintyGrows) {
   Random rng(24);
   PulledHandle handle(Pull{}, EstimatorConfig(), rng);
   while (handle.s < 0.1) (void)handle.step();
@@ -222,9 +222,36 @@ TEST(MechanismEstimator, NumbersThatAreNotFiniteChangeNothing) {
     EXPECT_EQ(estimator.update(input), EstimatorStatus::Invalid);
     EXPECT_EQ(estimator.estimate().direction, before.direction);
     EXPECT_EQ(estimator.estimate().curvature, before.curvature);
-    EXPECT_EQ(estimator.estimate().covariance, before.covariance);
     EXPECT_EQ(estimator.estimate().arc, before.arc);
+    EXPECT_GE(estimator.estimate().direction_sigma, before.direction_sigma);
   }
+  for (int i = 0; i < 250; ++i) EXPECT_EQ(estimator.update(inputs[1]), EstimatorStatus::Invalid);
+  // Half a second at about 0.1 m/s: 5 cm of path of 0.6 m radius turn by 0.08 rad.
+  EXPECT_EQ(estimator.estimate().direction, before.direction);
+  EXPECT_NEAR(std::sqrt(std::pow(estimator.estimate().direction_sigma, 2) - std::pow(before.direction_sigma, 2)),
+              0.05 * (before.curvature.norm() + before.curvature_sigma), 0.03);
+  EXPECT_GT(estimator.estimate().curvature_sigma, 1.05 * before.curvature_sigma);
+  while (handle.s < 0.12) (void)handle.step();
+  EXPECT_LT(estimator.estimate().direction_sigma, 1.2 * before.direction_sigma);  // it sees again
+}
+
+TEST(MechanismEstimator, RefusesAPoseThatIsFrozenWhileTheHandIsSaidToMove) {
+  Random rng(28);
+  PulledHandle handle(Pull{}, EstimatorConfig(), rng);
+  while (handle.s < 0.1) (void)handle.step();
+  MechanismEstimator& estimator = handle.estimator;
+  const MechanismEstimate before = estimator.estimate();
+  EstimatorInput input;
+  input.hand.translation() = handle.path.position(handle.s);
+  input.hand.linear() = handle.path.turn(handle.s) * handle.path.grasp;
+  input.velocity = 0.1 * handle.path.direction(handle.s);
+  int refused = 0;
+  for (int i = 0; i < 100; ++i) refused += estimator.update(input) == EstimatorStatus::Invalid ? 1 : 0;
+  EXPECT_GE(refused, 94);  // 1 mm at 0.1 m/s are 5 ticks
+  EXPECT_GT(estimator.estimate().direction_sigma, 1.1 * before.direction_sigma);
+  EXPECT_LT((estimator.estimate().direction - before.direction).norm(), 0.02);
+  input.velocity.setZero();  // a hand that rests may stay where it is
+  EXPECT_NE(estimator.update(input), EstimatorStatus::ModelAlarm);
 }
 
 TEST(MechanismEstimator, HoldsWhenToldNotToLearn) {

@@ -18,7 +18,8 @@ struct EstimatorConfig {
   double stuck_turn_rate = 0.15;          ///< Largest rate at which reaction force turns the guess of a stuck handle [rad/s]
   double slide_curvature = 0.05;          ///< k_s of the type decision [1/m]
   double hinge_curvature = 0.5;           ///< k_min of the type decision [1/m]
-  double type_threshold = 15.0;           ///< T of the type decision [-]
+  double type_threshold = 15.0;           ///< T of the decision for a hinge [-]
+  double slide_threshold = 8.0;           ///< T of the decision for a slide [-]
   double relative_curvature_floor = 0.1;  ///< Furniture is no circle: σ_k ≥ this · |k| [-]
   bool use_rotation = true;               ///< False: the grip is known to pivot, positions only
   bool operator==(const EstimatorConfig&) const = default;
@@ -41,7 +42,7 @@ enum class EstimatorStatus {
   Ok,          ///< Updated
   Held,        ///< Still or told to hold: the estimate keeps its value
   ModelAlarm,  ///< The prediction errors say that the model was wrong; re-learning
-  Invalid      ///< An input was not finite; the estimate keeps its value
+  Invalid      ///< An input was not finite or the pose is frozen: the estimate keeps its value, its uncertainty grows
 };
 
 /// Direction, curvature and type of a mechanism from hand poses over arc length, fused with the force-side correction.

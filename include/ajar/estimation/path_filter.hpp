@@ -81,7 +81,7 @@ class PathFilter {
 
  private:
   static constexpr int kWindow = 8;  // bins of the slow-slip sum
-  static constexpr int kRecent = 5;  // samples whose mean closes a bin
+  static constexpr int kRecent = 5;  // most samples whose mean closes a bin
 
   struct OpenBin {
     PathBin bin;
@@ -106,6 +106,7 @@ class PathFilter {
   void push_bin(const PathBin& bin) noexcept;
   [[nodiscard]] PathOutput output_of(const PathState& state) const noexcept;
   [[nodiscard]] double start_length() const noexcept;
+  [[nodiscard]] double bin_length() const noexcept;
 
   PathFilterConfig config_;
   PathState state_;
@@ -113,6 +114,7 @@ class PathFilter {
   OpenBin current_;
   std::array<Vector3d, kRecent> recent_{};  // positions of the newest samples
   int recent_count_ = 0;
+  int recent_needed_ = kRecent;  // samples whose mean closes a bin
   int rejected_ = 0;
 
   std::array<PathBin, kMaxFitBins> bins_{};  // before the start, and after an alarm until it is verified

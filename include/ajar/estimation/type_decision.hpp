@@ -9,7 +9,8 @@ namespace ajar {
 struct TypeThresholds {
   double slide_curvature = 0.05;  ///< k_s: what a slide may curve [1/m]
   double hinge_curvature = 0.5;   ///< k_min: what a hinge curves at least [1/m]
-  double threshold = 15.0;        ///< T: difference of the squared distances that decides [-]
+  double threshold = 15.0;        ///< T: difference of the squared distances that decides for a hinge [-]
+  double slide_threshold = 15.0;  ///< The same for a slide [-]
 };
 
 /// Squared distances of a curvature from a slide and from a hinge.
@@ -26,7 +27,7 @@ struct TypeDistances {
 [[nodiscard]] TypeDistances type_distances(const Vector2d& kap, const Eigen::Matrix2d& C,
                                            const TypeThresholds& thresholds) noexcept;
 
-/// Decides between hinge and slide: hinge if D_s - D_h > T, slide if D_h - D_s > T, otherwise unknown.
+/// Decides between hinge and slide: hinge if D_s - D_h > T, slide if D_h - D_s > T_s, otherwise unknown.
 /// (docs/equations.md#estimator)
 [[nodiscard]] MechanismType decide_type(const Vector2d& kap, const Eigen::Matrix2d& C,
                                         const TypeThresholds& thresholds) noexcept;
