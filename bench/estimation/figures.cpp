@@ -41,7 +41,8 @@ Lines lines_of(const Table& table, const std::string& start, const std::string& 
 }
 
 std::string style_of(std::size_t index, const std::string& name) {
-  static const std::array colours{"#1f6fb4", "#6db3e8", "#d9822b", "#b5533c", "#7a9a3a", "#4b7f52", "#8e6bbf"};
+  static const std::array colours{"#7a9a3a", "#2f9e9e", "#d9822b", "#c0392b", "#000000",
+                                  "#000000", "#8e6bbf", "#1f6fb4", "#a0a0a0"};
   if (name == "bound") return "stroke='#1b2a38' stroke-dasharray='6 3' stroke-width='1.4'";
   if (name == "bound, positions") return "stroke='#8794a0' stroke-dasharray='6 3' stroke-width='1.4'";
   return fmt::format("stroke='{}' stroke-width='{}'", colours[index % colours.size()],

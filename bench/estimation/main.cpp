@@ -112,7 +112,7 @@ int main(int argc, char** argv) {
     bool any = false;
     std::string names;
     for (const Part& part : parts()) {
-      names += std::string(" ") + part.name;
+      names.append(" ").append(part.name);
       if (!options.only.empty() && options.only != part.name) continue;
       any = true;
       part.judge(options.effort, table);

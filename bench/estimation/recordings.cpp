@@ -90,15 +90,11 @@ void judge_recordings(Table& table) {
       full.add(identify(track, config), truth, reference, hook);
     }
     const std::string name = learnt ? "recordings, noise learnt" : "recordings, sensor stated";
-    const double count = static_cast<double>(files.size());
-    table.push_back({name + ", half travel: wrong types", "ajar", half.wrong / 1.0, "of " + fmt::format("{:.0f}", count),
-                     "0", half.wrong == 0});
-    table.push_back({name + ", full travel: wrong types", "ajar", full.wrong / 1.0, "of " + fmt::format("{:.0f}", count),
-                     "0", full.wrong == 0});
-    table.push_back(
-        {name + ", half travel: right types", "ajar", half.right / 1.0, "of " + fmt::format("{:.0f}", count), ""});
-    table.push_back({name + ", full travel: right types", "ajar", full.right / 1.0, "of " + fmt::format("{:.0f}", count),
-                     ">= 39", full.right >= 39});
+    const std::string of_all = fmt::format("of {}", files.size());
+    table.push_back({name + ", half travel: wrong types", "ajar", half.wrong / 1.0, of_all, "0", half.wrong == 0});
+    table.push_back({name + ", full travel: wrong types", "ajar", full.wrong / 1.0, of_all, "0", full.wrong == 0});
+    table.push_back({name + ", half travel: right types", "ajar", half.right / 1.0, of_all, ""});
+    table.push_back({name + ", full travel: right types", "ajar", full.right / 1.0, of_all, ">= 39", full.right >= 39});
     const double median = quantile(full.errors, 0.5), p90 = quantile(full.errors, 0.9);
     table.push_back(
         {name + ", full travel: curvature against a robust fit, median", "ajar", median, "%", "<= 0.5", median <= 0.5});

@@ -26,7 +26,7 @@ constexpr double kMaxBendRate = 8.0;      // nor bend the curvature faster [1/(m
 // Squared distance of the filters with and without orientation at which the grip pivots: the tail of 1e-4 of χ² with 4
 // degrees of freedom. The covariance of the difference is C_pos - C_rigid, nearly singular in what orientation hardly
 // improves; a fifth of C_pos on top keeps linearisation errors out (docs/equations.md#estimator, 8).
-constexpr double kGripLimit = 23.5;
+constexpr double kGripLimit = 28.0;
 constexpr double kGripMargin = 0.2;
 constexpr double kStiffnessDoubt = 0.5;  // K_c known to a factor of two: so much of f/K_c is error [-]
 constexpr double kFrozenWay = 1e-3;      // far beyond any encoder's step [m]
@@ -86,7 +86,7 @@ struct MechanismEstimator::Impl {
   double sign = 1.0;           // of the motion for opening against the filter's order of travel
   double still_way = 0.0;      // way that the speed says since the pose last changed [m]
   double blind_way = 0.0;      // way since the last measurement that was not refused [m]
-  double speed = 0.0;          // of the hand, last known [m/s]
+  double last_speed = 0.0;     // of the hand [m/s]
   Pose last_hand = Pose::Identity();
   MechanismEstimate seen;  // the estimate before it went blind
 
@@ -256,7 +256,7 @@ bool MechanismEstimator::Impl::frozen(const EstimatorInput& input) {
 // direction turns by (|k| + σ_k) s unseen, and σ_k doubles within kBlindWay. (docs/equations.md#estimator, 10)
 void MechanismEstimator::Impl::go_blind(double dt) {
   if (blind_way == 0.0) seen = estimate;
-  blind_way += std::max(speed, config.still_speed) * dt;
+  blind_way += std::max(last_speed, config.still_speed) * dt;
   const double turn = (seen.curvature.norm() + seen.curvature_sigma) * blind_way;
   const double doubled = blind_way / kBlindWay;
   estimate.covariance = seen.covariance;
@@ -294,7 +294,7 @@ void MechanismEstimator::reset(const Pose& hand, const Vector3d& direction_guess
   m.last_point = m.start.translation();
   m.unseen_travel = m.travel = 0.0;
   m.sign = 1.0;
-  m.still_way = m.blind_way = m.speed = 0.0;
+  m.still_way = m.blind_way = m.last_speed = 0.0;
   m.last_hand = m.start;
   MechanismEstimate fresh;
   fresh.rigid_grasp = m.config.use_rotation;
@@ -324,7 +324,7 @@ EstimatorStatus MechanismEstimator::update(const EstimatorInput& input) noexcept
     m.estimate = m.seen;
     m.blind_way = 0.0;
   }
-  m.speed = input.velocity.norm();
+  m.last_speed = input.velocity.norm();
   m.travel += std::abs(input.base_travel);
   m.unseen_travel += std::abs(input.base_travel);
   if (!input.learn) return EstimatorStatus::Held;
