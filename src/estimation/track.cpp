@@ -13,23 +13,23 @@ namespace ajar {
 namespace {
 
 // What a column can hold; each of the names, as people and Ajar's own logs call it.
-enum Field { kTime, kX, kY, kZ, kQx, kQy, kQz, kQw, kFx, kFy, kFz, kFields };
-constexpr std::array<std::array<std::string_view, 2>, kFields> kNames{{{"time", "t"},
-                                                                       {"x", "hand_x"},
-                                                                       {"y", "hand_y"},
-                                                                       {"z", "hand_z"},
-                                                                       {"qx", "hand_qx"},
-                                                                       {"qy", "hand_qy"},
-                                                                       {"qz", "hand_qz"},
-                                                                       {"qw", "hand_qw"},
-                                                                       {"fx", "force_x"},
-                                                                       {"fy", "force_y"},
-                                                                       {"fz", "force_z"}}};
+enum Field { Time, X, Y, Z, Qx, Qy, Qz, Qw, Fx, Fy, Fz, Fields };
+constexpr std::array<std::array<std::string_view, 2>, Fields> kNames{{{"time", "t"},
+                                                                      {"x", "hand_x"},
+                                                                      {"y", "hand_y"},
+                                                                      {"z", "hand_z"},
+                                                                      {"qx", "hand_qx"},
+                                                                      {"qy", "hand_qy"},
+                                                                      {"qz", "hand_qz"},
+                                                                      {"qw", "hand_qw"},
+                                                                      {"fx", "force_x"},
+                                                                      {"fy", "force_y"},
+                                                                      {"fz", "force_z"}}};
 constexpr double kUnitTolerance = 0.02;  // of a quaternion written with two or more digits [-]
 
 struct Layout {
-  std::array<int, kFields> column;  // -1: not there
-  int phase = -1;                   // column of the phase in a run's log
+  std::array<int, Fields> column;  // -1: not there
+  int phase = -1;                  // column of the phase in a run's log
   std::size_t columns = 0;
   [[nodiscard]] bool has(Field field) const { return column[field] >= 0; }
 };
@@ -84,9 +84,9 @@ class Reader {
   }
 
   void set_layout(Layout layout) {
-    track_.has_time = layout.has(kTime);
-    track_.has_rotation = layout.has(kQx);
-    track_.has_force = layout.has(kFx);
+    track_.has_time = layout.has(Time);
+    track_.has_rotation = layout.has(Qx);
+    track_.has_force = layout.has(Fx);
     layout_ = layout;
   }
 
@@ -96,13 +96,13 @@ class Reader {
     layout.columns = words_.size();
     for (std::size_t i = 0; i < words_.size(); ++i) {
       if (words_[i] == "phase") layout.phase = static_cast<int>(i);
-      for (std::size_t f = 0; f < kFields; ++f) {
+      for (std::size_t f = 0; f < Fields; ++f) {
         if (words_[i] == kNames[f][0] || words_[i] == kNames[f][1]) layout.column[f] = static_cast<int>(i);
       }
     }
-    require_all(layout, kX, 3, true);
-    require_all(layout, kQx, 4, false);
-    require_all(layout, kFx, 3, false);
+    require_all(layout, X, 3, true);
+    require_all(layout, Qx, 4, false);
+    require_all(layout, Fx, 3, false);
     set_layout(layout);
   }
 
@@ -139,10 +139,10 @@ class Reader {
     layout.column.fill(-1);
     layout.columns = n;
     int next = 0;
-    if (time) layout.column[kTime] = next++;
-    for (std::size_t f = kX; f <= kZ; ++f) layout.column[f] = next++;
-    for (std::size_t f = kQx; quaternion && f <= kQw; ++f) layout.column[f] = next++;
-    for (std::size_t f = kFx; force && f <= kFz; ++f) layout.column[f] = next++;
+    if (time) layout.column[Time] = next++;
+    for (std::size_t f = X; f <= Z; ++f) layout.column[f] = next++;
+    for (std::size_t f = Qx; quaternion && f <= Qw; ++f) layout.column[f] = next++;
+    for (std::size_t f = Fx; force && f <= Fz; ++f) layout.column[f] = next++;
     set_layout(layout);
   }
 
@@ -158,19 +158,19 @@ class Reader {
   void add_sample() {
     if (layout_->phase >= 0 && words_[static_cast<std::size_t>(layout_->phase)] != "open") return;
     TrackSample sample;
-    sample.position = Vector3d(number(kX), number(kY), number(kZ));
-    if (track_.has_force) sample.force = Vector3d(number(kFx), number(kFy), number(kFz));
+    sample.position = Vector3d(number(X), number(Y), number(Z));
+    if (track_.has_force) sample.force = Vector3d(number(Fx), number(Fy), number(Fz));
     if (track_.has_rotation) {
-      const Eigen::Quaterniond q(number(kQw), number(kQx), number(kQy), number(kQz));
+      const Eigen::Quaterniond q(number(Qw), number(Qx), number(Qy), number(Qz));
       if (std::abs(q.norm() - 1.0) > kUnitTolerance) {
         fail("quaternion of length " + std::to_string(q.norm()) + ": must be 1");
       }
       sample.rotation = q.normalized().toRotationMatrix();
     }
     if (track_.has_time) {
-      sample.time = number(kTime);
+      sample.time = number(Time);
       if (!track_.samples.empty() && sample.time < track_.samples.back().time) {
-        fail("time = " + words_[static_cast<std::size_t>(layout_->column[kTime])] + ": goes back");
+        fail("time = " + words_[static_cast<std::size_t>(layout_->column[Time])] + ": goes back");
       }
     }
     track_.samples.push_back(sample);
