@@ -9,8 +9,8 @@ namespace ajar {
 namespace {
 
 // The hand waits for the base: full speed up to 6 cm of lag, a fifth from 16 cm (the reach left beside the posture).
-constexpr double kLagStop = 0.16;
-constexpr double kLagRange = 0.10;
+constexpr double kLagStop = 0.24;
+constexpr double kLagRange = 0.12;
 constexpr double kLagLeast = 0.2;
 // Speed falls over the last 10 N of pull before the limit, and over the last 15 N of normal force down to a tenth:
 // the force law needs some motion to learn from.

@@ -25,6 +25,8 @@ constexpr double kShortfallPrice = 4.0;
 // Travel and tracking that count as complete.
 constexpr double kWholeTravel = 0.99;
 constexpr double kTrackingAllowance = 0.02;  // [m]
+// Ten seconds of opening weigh as much as the sixth of a good value: time decides between postures that are alike.
+constexpr double kTimePrice = 2e-3;  // [1/s]
 // A flap may be out of reach for low handles: its value is squeezed so that it cannot rule alone.
 constexpr double kSoftOffset = 0.06;
 constexpr double kSoftShare = 0.5;
@@ -33,8 +35,8 @@ constexpr double kSoftShare = 0.5;
 constexpr double kStartSpeed = 0.02;  // [m/s]
 constexpr double kArcBegin = 0.015;   // [m]
 constexpr double kArcFull = 0.06;     // [m]
-constexpr double kLagFree = 0.06;     // [m]
-constexpr double kLagFull = 0.16;     // [m]
+constexpr double kLagFree = 0.12;     // [m]
+constexpr double kLagFull = 0.24;     // [m]
 constexpr double kLeastGate = 0.2;
 // The estimator knows type and leaf only after this arc [m].
 constexpr double kKindArc = 0.10;
@@ -86,7 +88,8 @@ double roll_out_value(const RollOutResult& result, bool soft) noexcept {
   const double shortfall = std::max(0.0, kWantedOwn - result.own) + std::max(0.0, kWantedArm - result.arm) +
                            std::max(0.0, kWantedBase - result.base);
   const double value = std::min(result.sigma, kBestSigma) - kShortfallPrice * shortfall +
-                       std::min(0.0, result.fraction - kWholeTravel) - std::max(0.0, result.error - kTrackingAllowance);
+                       std::min(0.0, result.fraction - kWholeTravel) - std::max(0.0, result.error - kTrackingAllowance) -
+                       kTimePrice * result.duration;
   return soft ? kSoftOffset + kSoftShare * value : value;
 }
 
@@ -259,6 +262,7 @@ RollOutResult RollOut::run(const HandleBelief& belief, const MechanismHypothesis
     motion.base = integrate_base(motion.base, solution.u[n + 1], solution.u[n], dt);
     problem.measured = solution.u;
     motion.arc += motion.measured * dt;
+    result.duration += dt;
   }
   result.fraction = std::min(1.0, motion.arc / hypothesis.travel);
   result.value = roll_out_value(result, hypothesis.soft);

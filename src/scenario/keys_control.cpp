@@ -73,6 +73,7 @@ void bind(Section s, WbcConfig& c) {
   s.number("base_yaw_rate", c.base_yaw_rate, kPositive, "rad/s", "largest turning rate while the hand works");
   s.number("base_acceleration", c.base_acceleration, kPositive, "m/s²", "of the base while the hand works");
   s.number("base_yaw_acceleration", c.base_yaw_acceleration, kPositive, "rad/s²", "of the base while the hand works");
+  s.number("base_braking", c.base_braking, Range{1.0, 100.0, false}, "", "how many times faster the base may brake");
   s.number("position_margin", c.position_margin, kNotNegative, "rad", "kept from each joint limit");
 }
 

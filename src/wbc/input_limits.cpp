@@ -18,13 +18,19 @@ struct Bound {
   BindingLimit limit;
 };
 
-// Acceleration range around the last command, moved into the range that must hold anyway.
-void set_bounds(InputBounds& bounds, int i, double last, double step, const Bound& low, const Bound& high,
+// Steps of one input in one tick.
+struct Step {
+  double up;    // away from zero
+  double down;  // towards zero, at least as large
+};
+
+// Range of the acceleration limits around the last command, moved into the range that must hold anyway.
+void set_bounds(InputBounds& bounds, int i, double last, Step step, const Bound& low, const Bound& high,
                 BindingLimit step_limit) {
   bounds.rate_lower[i] = low.rate;
   bounds.rate_upper[i] = high.rate;
-  bounds.lower[i] = std::clamp(last - step, low.rate, high.rate);
-  bounds.upper[i] = std::clamp(last + step, low.rate, high.rate);
+  bounds.lower[i] = std::clamp(std::min(last - step.up, std::max(last - step.down, 0.0)), low.rate, high.rate);
+  bounds.upper[i] = std::clamp(std::max(last + step.up, std::min(last + step.down, 0.0)), low.rate, high.rate);
   bounds.lower_limit[static_cast<size_t>(i)] = bounds.lower[i] > low.rate ? step_limit : low.limit;
   bounds.upper_limit[static_cast<size_t>(i)] = bounds.upper[i] < high.rate ? step_limit : high.limit;
 }
@@ -72,6 +78,9 @@ InputLimits make_input_limits(const RobotModel& model, const WbcConfig& config, 
   limits.acceleration.head(n) = robot.acceleration.cwiseMin(config.joint_acceleration);
   limits.acceleration[n] = std::min(config.base_yaw_acceleration, robot.base_yaw_acceleration);
   limits.acceleration[n + 1] = std::min(config.base_acceleration, robot.base_acceleration);
+  limits.deceleration = limits.acceleration;
+  limits.deceleration[n] = std::min(config.base_braking * config.base_yaw_acceleration, robot.base_yaw_acceleration);
+  limits.deceleration[n + 1] = std::min(config.base_braking * config.base_acceleration, robot.base_acceleration);
   if (limits.base_moves) {
     limits.speed_upper[n] = std::min(config.base_yaw_rate, robot.base_yaw_rate);
     limits.speed_lower[n] = -limits.speed_upper[n];
@@ -93,8 +102,8 @@ double stopping_rate(double distance, double deceleration, double period) noexce
   return distance / (steps * period) + 0.5 * deceleration * period * (steps - 1.0);
 }
 
-InputBounds input_bounds(const InputLimits& limits, const JointVector& q, const InputVector& last,
-                         bool base_fixed) noexcept {
+InputBounds input_bounds(const InputLimits& limits, const JointVector& q, const InputVector& last, bool base_fixed,
+                         double need) noexcept {
   const int n = limits.joints;
   InputBounds bounds;
   bounds.rate_lower = InputVector::Zero(n + 2);
@@ -111,14 +120,17 @@ InputBounds input_bounds(const InputLimits& limits, const JointVector& q, const 
                     near_lower ? BindingLimit::JointPosition : BindingLimit::JointRate};
     const Bound high{std::min(limits.speed_upper[i], up),
                      near_upper ? BindingLimit::JointPosition : BindingLimit::JointRate};
-    set_bounds(bounds, i, last[i], A * limits.period, low, high, BindingLimit::JointAcceleration);
+    const double step = A * limits.period;
+    set_bounds(bounds, i, last[i], {step, step}, low, high, BindingLimit::JointAcceleration);
   }
   for (int i = n; i < n + 2; ++i) {
-    const double step = limits.acceleration[i] * limits.period;
+    const double up = limits.acceleration[i];
+    const double down = base_fixed ? limits.deceleration[i] : up + need * (limits.deceleration[i] - up);
+    const Step step{up * limits.period, down * limits.period};
     set_bounds(bounds, i, last[i], step, {limits.speed_lower[i], BindingLimit::BaseSpeed},
                {limits.speed_upper[i], BindingLimit::BaseSpeed}, BindingLimit::BaseAcceleration);
     if (base_fixed || !limits.base_moves) {
-      const double stopping = std::clamp(brake_step(last[i], step), limits.speed_lower[i], limits.speed_upper[i]);
+      const double stopping = std::clamp(brake_step(last[i], step.down), limits.speed_lower[i], limits.speed_upper[i]);
       bounds.rate_lower[i] = 0.0;
       bounds.rate_upper[i] = 0.0;
       bounds.lower[i] = stopping;
@@ -134,7 +146,7 @@ InputBounds input_bounds(const InputLimits& limits, const JointVector& q, const 
 InputVector braked_input(const InputLimits& limits, const InputVector& last) noexcept {
   InputVector u = last;
   for (int i = 0; i < u.size(); ++i) {
-    u[i] = std::clamp(brake_step(last[i], limits.acceleration[i] * limits.period), limits.speed_lower[i],
+    u[i] = std::clamp(brake_step(last[i], limits.deceleration[i] * limits.period), limits.speed_lower[i],
                       limits.speed_upper[i]);
   }
   limit_wheels(limits, u);

@@ -34,6 +34,7 @@ void WbcConfig::validate() const {
                        {"base_yaw_rate", base_yaw_rate, 0.0, 10.0},
                        {"base_acceleration", base_acceleration, kTiny, 100.0},
                        {"base_yaw_acceleration", base_yaw_acceleration, kTiny, 100.0},
+                       {"base_braking", base_braking, 1.0, 100.0},
                        {"position_margin", position_margin, 0.0, 1.0}});
 }
 

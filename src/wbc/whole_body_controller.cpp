@@ -24,6 +24,9 @@ constexpr double kWheelRoom = 1e-9;
 constexpr double kClearanceScale = 0.1;
 // On a straight way the turning weight grows by this: clearances are then kept by slowing down and not by turning away.
 constexpr double kHeadingWeight = 100.0;
+// Room in which a base turning at 0.6 rad/s stops a body half a metre away with 2.5 rad/s²: v²/2a = 4 cm. From twice that
+// the base may begin to brake harder.
+constexpr double kBrakingRoom = 0.04;
 
 bool is_usable(const ClearanceRow& row, int joints) {
   return row.row.size() == joints + 2 && row.row.allFinite() && std::isfinite(row.distance) && row.normal.allFinite() &&
@@ -65,6 +68,17 @@ double least_rate(const ClearanceRow& row, const ClearanceConfig& config) {
   const ClearanceLimits& limits = limits_of(config, row.kind);
   const double rate = -limits.rate * (row.distance - limits.stop);
   return std::min(rate, row.kind == ClearanceKind::Self ? kSelfSeparation : 0.0);
+}
+
+// How much the base needs its brakes: 0 with room on all sides … 1 where a body comes within the braking room.
+double braking_need(const WbcProblem& problem) {
+  if (problem.clearance == nullptr) return 0.0;
+  double room = 2.0 * kBrakingRoom;
+  for (int i = 0; i < std::clamp(problem.clearance->count, 0, kMaxClearanceRows); ++i) {
+    const ClearanceRow& row = problem.clearance->rows[static_cast<size_t>(i)];
+    room = std::min(room, row.distance - limits_of(problem.clearance_config, row.kind).stop);
+  }
+  return std::clamp(2.0 - room / kBrakingRoom, 0.0, 1.0);
 }
 
 }  // namespace
@@ -152,7 +166,7 @@ void WholeBodyController::Impl::build_cost(const WbcProblem& problem, double sig
 }
 
 void WholeBodyController::Impl::build_bounds(const WbcProblem& problem) {
-  bounds = input_bounds(limits, *problem.q, last, problem.base_fixed);
+  bounds = input_bounds(limits, *problem.q, last, problem.base_fixed, braking_need(problem));
   qp.lower.head(n + 2) = bounds.lower;
   qp.upper.head(n + 2) = bounds.upper;
   qp.upper[kSlack] = 0.0;

@@ -22,6 +22,9 @@ InputLimits toy_limits() {
   limits.acceleration = InputVector::Constant(4, 8.0);
   limits.acceleration[2] = 0.5;
   limits.acceleration[3] = 0.2;
+  limits.deceleration = limits.acceleration;
+  limits.deceleration[2] = 2.0;
+  limits.deceleration[3] = 1.0;
   limits.wheel_reach = 0.35;
   limits.half_track = 0.25;
   limits.period = 0.008;
@@ -81,17 +84,31 @@ TEST(InputBounds, AllowOneStepOfAccelerationFromRest) {
   EXPECT_EQ(bounds.upper_limit[3], BindingLimit::BaseAcceleration);
 }
 
-TEST(InputBounds, FixedBaseBrakesWithinItsAcceleration) {
+TEST(InputBounds, FixedBaseBrakesWithinItsDeceleration) {
   const InputLimits limits = toy_limits();
   InputVector last = InputVector::Zero(4);
   last[3] = 0.1;
   for (int tick = 0; tick < 100; ++tick) {
     const InputBounds bounds = input_bounds(limits, JointVector::Zero(2), last, true);
     EXPECT_EQ(bounds.lower[3], bounds.upper[3]);
-    EXPECT_NEAR(last[3] - bounds.upper[3], std::min(last[3], 0.2 * limits.period), 1e-12);
+    EXPECT_NEAR(last[3] - bounds.upper[3], std::min(last[3], limits.deceleration[3] * limits.period), 1e-12);
     last[3] = bounds.upper[3];
   }
   EXPECT_EQ(last[3], 0.0);
+}
+
+TEST(InputBounds, BaseBrakesHarderOnlyInNeedAndNeverPastZero) {
+  const InputLimits limits = toy_limits();
+  InputVector last = InputVector::Zero(4);
+  last[3] = 0.1;
+  const double step = limits.acceleration[3] * limits.period;
+  const InputBounds calm = input_bounds(limits, JointVector::Zero(2), last, false);
+  EXPECT_NEAR(calm.lower[3], 0.1 - step, 1e-12);
+  const InputBounds need = input_bounds(limits, JointVector::Zero(2), last, false, 1.0);
+  EXPECT_NEAR(need.lower[3], 0.1 - limits.deceleration[3] * limits.period, 1e-12);
+  EXPECT_NEAR(need.upper[3], 0.1 + step, 1e-12);
+  last[3] = 0.5 * step;  // from here the hard brake would pass zero: speeding up backwards stays as slow as ever
+  EXPECT_NEAR(input_bounds(limits, JointVector::Zero(2), last, false, 1.0).lower[3], -0.5 * step, 1e-12);
 }
 
 TEST(InputBounds, RobotOnTheFloorHasNoBase) {

@@ -162,7 +162,7 @@ TEST_F(HeronWbc, OneSlackKeepsContradictingRowsSolvable) {
   EXPECT_NEAR(out.slack, 0.05, 1e-3);
 }
 
-TEST_F(HeronWbc, BrakesOnBrokenInputWithinItsAccelerations) {
+TEST_F(HeronWbc, BrakesOnBrokenInputWithinItsDecelerations) {
   WholeBodyController wbc(model, config, kPeriod);
   WbcProblem p = problem();
   p.tangential << -0.05, 0.05, 0.0, 0.0, 0.0, 0.1;
@@ -173,7 +173,7 @@ TEST_F(HeronWbc, BrakesOnBrokenInputWithinItsAccelerations) {
   for (int tick = 0; tick < 1000; ++tick) {
     EXPECT_EQ(wbc.solve(p, out), WbcStatus::Invalid);
     EXPECT_TRUE((out.u.cwiseAbs().array() <= last.cwiseAbs().array()).all());
-    EXPECT_LE(std::abs(out.u[kSpeed] - last[kSpeed]), config.base_acceleration * kPeriod + 1e-12);
+    EXPECT_LE(std::abs(out.u[kSpeed] - last[kSpeed]), config.base_braking * config.base_acceleration * kPeriod + 1e-12);
     last = out.u;
   }
   EXPECT_EQ(last.norm(), 0.0);

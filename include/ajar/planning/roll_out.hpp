@@ -12,10 +12,11 @@ struct RollOutResult {
   double base = 9.0;      ///< Of the base to wall and leaf [m]
   double fraction = 0.0;  ///< Part of the travel that was reached, 0 … 1
   double error = 0.0;     ///< Largest distance of the hand from the path [m]
+  double duration = 0.0;  ///< Of the opening [s]
   double value = -1.0;    ///< One number of all that (docs/equations.md#choice)
 };
 
-/// Value of a roll-out: min(σ, 0.12) less what clearances, travel and tracking fall short. (docs/equations.md#choice)
+/// Value of a roll-out: min(σ, 0.12) less what clearances, travel and tracking fall short, and less the time. (docs/equations.md#choice)
 [[nodiscard]] double roll_out_value(const RollOutResult& result, bool soft) noexcept;
 
 /// The wall behind a closed handle as an obstacle: an upright slab whose face stands 2 cm before the leaf.

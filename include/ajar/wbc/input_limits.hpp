@@ -14,7 +14,8 @@ struct InputLimits {
   JointVector position_upper;  ///< Margin taken off, shape (n) [rad or m]
   InputVector speed_lower;     ///< shape (n + 2) [rad/s or m/s]
   InputVector speed_upper;     ///< shape (n + 2) [rad/s or m/s]
-  InputVector acceleration;    ///< shape (n + 2) [rad/s² or m/s²]
+  InputVector acceleration;    ///< Away from zero, shape (n + 2) [rad/s² or m/s²]
+  InputVector deceleration;    ///< Towards zero in need, shape (n + 2) [rad/s² or m/s²]
   double wheel_reach = 0.0;    ///< Rim speed at the wheel-speed limit [m/s]
   double half_track = 0.0;     ///< Half the distance of the driven wheels [m]
   double period = 0.002;       ///< [s]
@@ -47,10 +48,12 @@ struct InputBounds {
 /// @param q           Measured positions, finite, shape (n)
 /// @param last        Last command, finite, shape (n + 2)
 /// @param base_fixed  The base brakes to zero and stays
+/// @param need        0 … 1: how much of the deceleration beyond the acceleration the base may brake with. Granted always,
+///                    it would make noise slow the base: down fast, up slowly
 [[nodiscard]] InputBounds input_bounds(const InputLimits& limits, const JointVector& q, const InputVector& last,
-                                       bool base_fixed) noexcept;
+                                       bool base_fixed, double need = 0.0) noexcept;
 
-/// Every input one step of its acceleration nearer to zero, inside the speed limits.
+/// Every input one step of its deceleration nearer to zero, inside the speed limits.
 [[nodiscard]] InputVector braked_input(const InputLimits& limits, const InputVector& last) noexcept;
 
 /// Scales ω and v by one factor so that no wheel exceeds its limit: the base keeps its path.

@@ -20,15 +20,16 @@ struct WbcConfig {
   double singular_onset = 0.08;     ///< σ_min below which joint rates are damped [-]
   double singular_damping = 3.0;    ///< At σ_min = 0 [-]
   double base_share =
-      0.5;  ///< ρ_b: part of the base motion taken as commanded, the rest as measured (physics: slow base) [-]
+      0.25;  ///< ρ_b: part of the base motion taken as commanded, the rest as measured (physics: slow base) [-]
   double free_axis_weight = 0.2;       ///< Of the weak turn about a free grip axis [-]
   double rate_scale = 0.32;            ///< Joint rates used, share of the limit [-]
   double joint_acceleration = 8.0;     ///< Upper bound on the model's own limit [rad/s²]
   double base_forward = 0.3;           ///< [m/s]
   double base_reverse = 0.3;           ///< [m/s]
   double base_yaw_rate = 0.6;          ///< [rad/s]
-  double base_acceleration = 0.2;      ///< [m/s²]
-  double base_yaw_acceleration = 0.5;  ///< [rad/s²]
+  double base_acceleration = 0.3;      ///< [m/s²]
+  double base_yaw_acceleration = 0.8;  ///< [rad/s²]
+  double base_braking = 5.0;           ///< How many times faster than it speeds up the base may brake [-]
   double position_margin = 0.02;       ///< Kept from each joint limit [rad]
   bool operator==(const WbcConfig&) const = default;
   /// @throws ConfigError
