@@ -46,11 +46,12 @@ double wanted_speed(const SpeedInput& input, const ForceLawConfig& config) noexc
   return speed;
 }
 
-SpeedLaw::SpeedLaw(const ForceLawConfig& config, double period) : config_(config), period_(period) {
+SpeedLaw::SpeedLaw(const ForceLawConfig& config, double period, double dead_time) : config_(config), period_(period) {
   config.validate();
   if (!(period >= 1e-6 && period <= 0.1)) {
     throw ConfigError("interaction.period = " + std::to_string(period) + " s: must be in [1e-6, 0.1]");
   }
+  config_.give_gain = loop_gain(config.give_gain, config.stability_number, config.total_stiffness, period + dead_time);
 }
 
 void SpeedLaw::reset() noexcept {

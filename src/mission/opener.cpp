@@ -18,7 +18,7 @@ constexpr double kArcFull = 0.06;    // [m]
 // Where an unknown end stop may come, the hand is slow: the blow grows with speed. (#speed-law)
 constexpr double kStopPossibleAngle = 1.36;  // first end stops of hinged doors: 80 degrees, less 2 [rad]
 constexpr double kStopPossibleArc = 0.28;    // shortest drawers: 0.3 m, less what the slow-down lags [m]
-constexpr double kSlowSpeed = 0.08;          // [m/s]
+constexpr double kSlowSpeed = 0.10;          // [m/s]
 constexpr double kLeastCurvature = 0.2;      // a hinge of more than 5 m radius is driven as a slide [1/m]
 // A flap's hand must not follow the leaf all the way round: it would end up under the bar.
 constexpr double kFlapTurn = 0.6;       // [rad]
@@ -38,7 +38,7 @@ Opener::Opener(const RobotModel& model, const MissionConfig& config)
       config_(config),
       estimator_(config.estimator),
       force_law_(config.force, config.period, config.dead_time),
-      speed_law_(config.force, config.period),
+      speed_law_(config.force, config.period, config.dead_time),
       base_law_(config.base_law),
       ends_(EndConfig{}, config.goal, config.limits.force) {
   if (config.controller == "thesis") thesis_.emplace(model, config.thesis, config.wbc, config.period);

@@ -166,7 +166,7 @@ TEST(ForceLawConfig, RefusesWhatIsOutOfRange) {
   config.total_stiffness = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THROW(ForceLaw(config, kPeriod, 0.0), ConfigError);
   EXPECT_THROW(ForceLaw({}, 0.0, 0.0), ConfigError);
-  EXPECT_THROW(SpeedLaw({}, -1.0), ConfigError);
+  EXPECT_THROW(SpeedLaw({}, -1.0, 0.0), ConfigError);
 }
 
 TEST(WantedSpeed, RisesWithConfidenceAndWaitsForTheBase) {
@@ -175,7 +175,7 @@ TEST(WantedSpeed, RisesWithConfidenceAndWaitsForTheBase) {
   EXPECT_NEAR(wanted_speed(input, config), config.speed_start, 1e-15);
   input.confidence = 1.0;
   EXPECT_NEAR(wanted_speed(input, config), config.speed, 1e-15);
-  input.base_lag = 0.11;
+  input.base_lag = 0.18;
   EXPECT_NEAR(wanted_speed(input, config), config.speed_start + 0.5 * (config.speed - config.speed_start), 1e-12);
   input.base_lag = 1.0;
   EXPECT_NEAR(wanted_speed(input, config), config.speed_start + 0.2 * (config.speed - config.speed_start), 1e-12);
@@ -208,7 +208,7 @@ TEST(WantedSpeed, StandsAtTheForceCapWhileTheDirectionIsUnsure) {
 
 TEST(SpeedLaw, RampsWithinItsAccelerations) {
   const ForceLawConfig config;
-  SpeedLaw law(config, kPeriod);
+  SpeedLaw law(config, kPeriod, 0.0);
   SpeedInput input;
   input.confidence = 1.0;
   double last = 0.0;
@@ -230,7 +230,7 @@ TEST(SpeedLaw, RampsWithinItsAccelerations) {
 
 TEST(SpeedLaw, GivesWayAboveTheRunningForce) {
   const ForceLawConfig config;
-  SpeedLaw law(config, kPeriod);
+  SpeedLaw law(config, kPeriod, 0.0);
   SpeedInput input;
   input.confidence = 1.0;
   input.pull_force = 5.0;
@@ -247,7 +247,7 @@ TEST(SpeedLaw, GivesWayAboveTheRunningForce) {
 }
 
 TEST(SpeedLaw, RunningForceWaitsForMotion) {
-  SpeedLaw law({}, kPeriod);
+  SpeedLaw law({}, kPeriod, 0.0);
   SpeedInput input;
   input.pull_force = 25.0;
   for (int tick = 0; tick < 2000; ++tick) {
@@ -258,7 +258,7 @@ TEST(SpeedLaw, RunningForceWaitsForMotion) {
 
 TEST(SpeedLaw, BrakesOnNonsense) {
   const ForceLawConfig config;
-  SpeedLaw law(config, kPeriod);
+  SpeedLaw law(config, kPeriod, 0.0);
   SpeedInput input;
   input.confidence = 1.0;
   double speed = 0.0;

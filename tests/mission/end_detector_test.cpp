@@ -36,6 +36,14 @@ TEST(EndDetector, FeelsAStopWhenForceRisesOverTheRunningForce) {
   EXPECT_NEAR(time, EndConfig{}.stop_time, 0.01);
 }
 
+TEST(EndDetector, AHandThatIsHeldBackMustLeanOnAStopForLonger) {
+  EndDetector ends(EndConfig{}, GoalConfig{.to_the_stop = true}, 45.0);
+  const EndInput leaning{.speed = 0.0, .pull_force = 25.0, .running_force = 5.0, .speed_factor = 0.2};
+  const auto [verdict, time] = hold(ends, leaning, travelled(0.3), 5.0);
+  EXPECT_EQ(verdict, Verdict::Stop);
+  EXPECT_NEAR(time, EndConfig{}.leaning_time, 0.01);
+}
+
 TEST(EndDetector, DoesNotTakeAHeavyCloserForAStop) {
   EndDetector ends(EndConfig{}, GoalConfig{.to_the_stop = true}, 45.0);
   EXPECT_EQ(hold(ends, {.speed = 0.0, .pull_force = 43.0, .running_force = 40.0}, travelled(0.3), 10.0).first,

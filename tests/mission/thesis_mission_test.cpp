@@ -35,7 +35,8 @@ double angle_to_motion(const MissionRecord& record) {
 void watch_limits(const InputLimits& limits, const InputVector& last, const InputVector& u, Opening& run) {
   for (int i = 0; i < u.size(); ++i) {
     run.excess_rate = std::max(run.excess_rate, std::abs(u[i]) / limits.speed_upper[i] - 1.0);
-    run.excess_step = std::max(run.excess_step, std::abs(u[i] - last[i]) / (limits.acceleration[i] * limits.period) - 1.0);
+    const double largest = std::abs(u[i]) < std::abs(last[i]) ? limits.deceleration[i] : limits.acceleration[i];
+    run.excess_step = std::max(run.excess_step, std::abs(u[i] - last[i]) / (largest * limits.period) - 1.0);
   }
   const double rim = std::abs(u[limits.joints + 1]) + limits.half_track * std::abs(u[limits.joints]);
   run.excess_rate = std::max(run.excess_rate, rim / limits.wheel_reach - 1.0);

@@ -106,7 +106,7 @@ class RandomTicks : public HeronWbc {
         random.corrupt(p, *clearance, q);
         ++corrupted;
       }
-      const InputBounds bounds = input_bounds(limits, good, last, p.base_fixed);
+      const InputBounds bounds = input_bounds(limits, good, last, p.base_fixed, 1.0);  // near bodies the base brakes harder
       const WbcStatus status = wbc.solve(p, out);
       invalid += status == WbcStatus::Invalid ? 1 : 0;
       ASSERT_TRUE(status != WbcStatus::Invalid || corrupt) << "the solver failed on a sound problem, tick " << tick;

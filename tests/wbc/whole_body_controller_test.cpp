@@ -52,7 +52,7 @@ TEST_F(HeronWbc, TakesPartOfTheBaseAsMeasured) {
     (void)wbc.solve(p, out);
   }
   InputVector effective = out.u;
-  effective.tail<2>() = 0.5 * out.u.tail<2>() + 0.5 * p.measured.tail<2>();
+  effective.tail<2>() = config.base_share * out.u.tail<2>() + (1.0 - config.base_share) * p.measured.tail<2>();
   EXPECT_LT((kinematics.J * effective).norm(), 2e-4);
   EXPECT_LT(out.residual, 1e-4);
 }

@@ -19,8 +19,8 @@ struct ForceLawConfig {
   double speed_start = 0.02;            ///< Until the estimate is sure [m/s]
   double speed = 0.20;                  ///< Cruise along the mechanism [m/s]
   double acceleration = 0.15;           ///< Of the tangential speed [m/s²]
-  double deceleration = 0.20;           ///< [m/s²]
-  double give_gain = 2e-3;              ///< a_t of the tangential give [m/(N s)]
+  double deceleration = 0.40;           ///< [m/s²]
+  double give_gain = 4e-3;              ///< Upper bound of a_t, the gain of the tangential give [m/(N s)]
   double give_margin = 20.0;            ///< Above the running force the hand gives way [N]
   double give_reserve = 10.0;           ///< Below the force limit the hand gives way [N]
   double give_speed = 0.03;             ///< Largest backward speed of the give [m/s]
@@ -87,7 +87,7 @@ class SpeedLaw {
  public:
   /// @param period  Control period [s]
   /// @throws ConfigError
-  SpeedLaw(const ForceLawConfig& config, double period);
+  SpeedLaw(const ForceLawConfig& config, double period, double dead_time);
   void reset() noexcept;
   /// @return wanted speed along x̂, may be slightly negative while giving way [m/s]
   [[nodiscard]] double step(const SpeedInput& input) noexcept;

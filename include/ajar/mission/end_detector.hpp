@@ -6,12 +6,12 @@
 namespace ajar {
 
 struct EndConfig {
-  double still_speed = 0.006;      ///< Hand slower than this stands still [m/s]
-  double stop_time = 0.5;          ///< Still this long with risen force: an end stop [s]
-  double stop_force = 12.0;        ///< Rise over the running force that an end stop shows [N]
-  double stop_arc = 0.10;          ///< An end stop is believed after this travel [m]
-  double leaning_time = 2.0;       ///< The same while the controller holds the hand back, so that only the arm's give pulls [s]
-  double blocked_time = 2.0;       ///< Still this long near the start: blocked [s]
+  double still_speed = 0.006;  ///< Hand slower than this stands still [m/s]
+  double stop_time = 0.5;      ///< Still this long with risen force: an end stop [s]
+  double stop_force = 12.0;    ///< Rise over the running force that an end stop shows [N]
+  double stop_arc = 0.10;      ///< An end stop is believed after this travel [m]
+  double leaning_time = 2.0;   ///< The same while the controller holds the hand back, so that only the arm's give pulls [s]
+  double blocked_time = 2.0;   ///< Still this long near the start: blocked [s]
   double blocked_pull_time = 0.5;  ///< The same while pulling with what is allowed [s]
   double blocked_arc = 0.03;       ///< [m]
   double stalled_time = 6.0;       ///< Still this long anywhere: stalled [s]

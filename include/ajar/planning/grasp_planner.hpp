@@ -64,7 +64,7 @@ struct GraspCandidate {
   JointVector grasp;             ///< Hand at the handle, shape (n)
   JointVector approach;          ///< Hand in front of the handle, shape (n)
   Pose hand = Pose::Identity();  ///< Hand pose of the grasp, odometry frame
-  double value = -1.0;           ///< Worst case over what may be true; ≥ 0.03 is usable, larger is better [-]
+  double value = -1.0;           ///< Worst case over what may be true; ≥ 0.01 is usable, larger is better [-]
 };
 
 /// Chooses grasp posture and base pose by rolling out the same QP and base law over the mechanisms that may be true.

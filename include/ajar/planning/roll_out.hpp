@@ -16,7 +16,8 @@ struct RollOutResult {
   double value = -1.0;    ///< One number of all that (docs/equations.md#choice)
 };
 
-/// Value of a roll-out: min(σ, 0.12) less what clearances, travel and tracking fall short, and less the time. (docs/equations.md#choice)
+/// Value of a roll-out: min(σ, 0.12) less what clearances, travel and tracking fall short, and less the time.
+/// (docs/equations.md#choice)
 [[nodiscard]] double roll_out_value(const RollOutResult& result, bool soft) noexcept;
 
 /// The wall behind a closed handle as an obstacle: an upright slab whose face stands 2 cm before the leaf.
