@@ -26,7 +26,7 @@ constexpr double kKeepWall = 0.03;
 constexpr double kKeepDistance = 0.3;
 constexpr double kKeepTurn = 0.5;
 // Value from which a candidate is usable at all: a quarter of a good one, less what ten seconds cost.
-constexpr double kUsable = 0.01;
+constexpr double kUsable = -0.01;
 // Candidates handed over even if they are not.
 constexpr std::size_t kLastResorts = 3;
 // What arrival errors may cost against a plan that was not better than this anyway.

@@ -25,8 +25,8 @@ constexpr double kShortfallPrice = 4.0;
 // Travel and tracking that count as complete.
 constexpr double kWholeTravel = 0.99;
 constexpr double kTrackingAllowance = 0.02;  // [m]
-// Ten seconds of opening weigh as much as the sixth of a good value: time decides between postures that are alike.
-constexpr double kTimePrice = 2e-3;  // [1/s]
+// Ten seconds of opening weigh as much as a third of a good value: time decides between postures that are alike.
+constexpr double kTimePrice = 4e-3;  // [1/s]
 // A flap may be out of reach for low handles: its value is squeezed so that it cannot rule alone.
 constexpr double kSoftOffset = 0.06;
 constexpr double kSoftShare = 0.5;

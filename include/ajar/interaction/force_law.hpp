@@ -17,8 +17,8 @@ struct ForceLawConfig {
   double force_limit = 70.0;            ///< Force that the pull may reach [N]
   double start_force = 16.0;            ///< Force that the pull may reach while the direction is unsure [N]
   double speed_start = 0.02;            ///< Until the estimate is sure [m/s]
-  double speed = 0.20;                  ///< Cruise along the mechanism [m/s]
-  double acceleration = 0.15;           ///< Of the tangential speed [m/s²]
+  double speed = 0.25;                  ///< Cruise along the mechanism [m/s]
+  double acceleration = 0.25;           ///< Of the tangential speed [m/s²]
   double deceleration = 0.40;           ///< [m/s²]
   double give_gain = 4e-3;              ///< Upper bound of a_t, the gain of the tangential give [m/(N s)]
   double give_margin = 20.0;            ///< Above the running force the hand gives way [N]
@@ -85,7 +85,8 @@ struct SpeedInput {
 /// (docs/equations.md#speed-law)
 class SpeedLaw {
  public:
-  /// @param period  Control period [s]
+  /// @param period     Control period [s]
+  /// @param dead_time  Transport delay of the loop: bounds the gain of the give as it bounds α [s]
   /// @throws ConfigError
   SpeedLaw(const ForceLawConfig& config, double period, double dead_time);
   void reset() noexcept;

@@ -46,7 +46,7 @@ struct PlannerConfig {
   int roll_outs = 150;                              ///< Candidates rolled out
   int kept = 6;                                     ///< Candidates handed over, and checked with disturbed placements
   double step = 0.1;                                ///< Time step of a roll-out [s]
-  double speed = 0.20;                              ///< Cruise of a roll-out along the mechanism [m/s]
+  double speed = 0.25;                              ///< Cruise of a roll-out along the mechanism [m/s]
   double least_sigma = 0.09;                        ///< Of a candidate at the grasp [-]
   double own_clearance = 0.025;                     ///< Of a candidate at the grasp [m]
   double wall_clearance = 0.07;                     ///< Of the base where it stands, to the believed wall [m]
@@ -64,7 +64,7 @@ struct GraspCandidate {
   JointVector grasp;             ///< Hand at the handle, shape (n)
   JointVector approach;          ///< Hand in front of the handle, shape (n)
   Pose hand = Pose::Identity();  ///< Hand pose of the grasp, odometry frame
-  double value = -1.0;           ///< Worst case over what may be true; ≥ 0.01 is usable, larger is better [-]
+  double value = -1.0;           ///< Worst case over what may be true; ≥ -0.01 is usable, larger is better [-]
 };
 
 /// Chooses grasp posture and base pose by rolling out the same QP and base law over the mechanisms that may be true.

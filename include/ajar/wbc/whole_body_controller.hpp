@@ -24,7 +24,7 @@ struct WbcConfig {
   double free_axis_weight = 0.2;       ///< Of the weak turn about a free grip axis [-]
   double rate_scale = 0.32;            ///< Joint rates used, share of the limit [-]
   double joint_acceleration = 8.0;     ///< Upper bound on the model's own limit [rad/s²]
-  double base_forward = 0.3;           ///< [m/s]
+  double base_forward = 0.5;           ///< [m/s]
   double base_reverse = 0.3;           ///< [m/s]
   double base_yaw_rate = 0.6;          ///< [rad/s]
   double base_acceleration = 0.3;      ///< [m/s²]
