@@ -23,6 +23,10 @@ constexpr double kLateralMax = 0.15;
 constexpr double kFullHeadingSpeed = 0.05;
 // Largest feed-forward turning, in turnings of the mechanism: bounded where the reference nearly stands.
 constexpr double kTurningMax = 1.5;
+// A base that must still turn cannot follow: beyond 75° each further radian counts as that much lag, so that the hand has
+// nearly stopped waiting for its place when the base stands across its way [rad], [m/rad].
+constexpr double kTurnAllowance = 1.3;
+constexpr double kTurnLag = 1.0;
 // cos²β + ε²: driving does not change the distance to a hand beside the base (β = ±90°).
 constexpr double kSideways = 0.05;
 // Part of the hand's speed with which a base beside the hand leaves its path to close what is missing: atan(0.6) = 31°.
@@ -123,7 +127,7 @@ BaseLawOutput BaseLaw::corotating(const BaseLawInput& input) noexcept {
   out.twist.w = input.wanted_speed * turn_per_metre +
                 config_.gain_across * v_ref * std::clamp(across, -kLateralMax, kLateralMax) +
                 config_.gain_heading * std::sin(heading_error) * std::min(1.0, std::abs(v_ref) / kFullHeadingSpeed);
-  out.lag = std::hypot(dx, dy);
+  out.lag = std::hypot(dx, dy) + kTurnLag * std::max(0.0, std::abs(heading_error) - kTurnAllowance);
   out.heading_error = -heading_error;
   return out;
 }
