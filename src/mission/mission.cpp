@@ -114,7 +114,7 @@ std::string Mission::explain() const {
   const MechanismEstimate& e = m.record.estimate;
   std::string seen = fmt::format("{:.2f} m of travel, {:.0f} deg turned", e.arc, e.angle * 180.0 / M_PI);
   if (m.holding) seen += "; it closes by itself and is held";
-  const std::string room = m.handle.passage ? "; " + passage_room(*m.handle.passage, m.model) : "";
+  const std::string room = m.handle.passage ? fmt::format("; {}", passage_room(*m.handle.passage, m.model)) : "";
   switch (m.why) {
     case EndReason::GoalReached: return fmt::format("open as wanted: {}", seen);
     case EndReason::StopFelt: return fmt::format("an end stop was felt: {}", seen);
