@@ -18,9 +18,9 @@ int parse_and_run(CLI::App& program, int argc, char** argv, const int& exit_code
     return program.exit(asked);
   } catch (const CLI::RequiredError& error) {
     const bool unknown = argc > 1 && program.get_subcommands().empty();
-    complain(unknown
-                 ? std::string("unknown command '") + argv[1] + "'; allowed: run, campaign, identify, validate, report, view, reproduce"
-                 : std::string(error.what()) + " (see ajar --help)");
+    complain(unknown ? std::string("unknown command '") + argv[1] +
+                           "'; allowed: run, campaign, identify, validate, report, view, reproduce"
+                     : std::string(error.what()) + " (see ajar --help)");
     return kBadInput;
   } catch (const CLI::ParseError& error) {
     complain(std::string(error.what()) + " (see ajar --help)");

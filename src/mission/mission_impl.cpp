@@ -11,6 +11,15 @@
 namespace ajar {
 namespace {
 
+// Time in which a base that is told a speed has taken it up: lag of the drives and its acceleration limit [s].
+constexpr double kBaseTime = 0.3;
+
+// What was measured says less of the base's motion the later a command takes effect. (docs/equations.md#qp)
+WbcConfig foresee_base(WbcConfig config, double delay) {
+  config.base_share = 1.0 - (1.0 - config.base_share) * std::exp(-delay / kBaseTime);
+  return config;
+}
+
 constexpr double kBlockedTime = 1.2;      // two base lags and delays of a slow base, with reserve [s]
 constexpr double kBlockedCommand = 0.03;  // below this stiction may hold the base: docking minimum of the drive [m/s]
 constexpr double kBlockedTurn = 0.06;     // [rad/s]
@@ -67,7 +76,7 @@ Mission::Impl::Impl(const RobotModel& robot, const MissionConfig& settings, std:
       seed(run_seed),
       navigator(settings.navigation, settings.period),
       planner(model, settings.planner, settings.wbc, settings.base_law, settings.clearance),
-      controller(model, settings.wbc, settings.period),
+      controller(model, foresee_base(settings.wbc, settings.period + settings.dead_time), settings.period),
       clearance(model, settings.clearance),
       wrench(model),
       opener(model, config),
