@@ -61,8 +61,8 @@ CsvColumns wanted_columns() {
     for (const char* part : {"w", "x", "y", "z"}) wanted.numbers.push_back(std::string(quaternion) + part);
   }
   for (int i = 1; i <= kMaxJoints; ++i) {
-    wanted.numbers.push_back("cmd_dq" + std::to_string(i));
-    wanted.numbers.push_back("q" + std::to_string(i));
+    wanted.numbers.push_back(std::string("cmd_dq").append(std::to_string(i)));
+    wanted.numbers.push_back(std::string("q").append(std::to_string(i)));
   }
   return wanted;
 }
