@@ -6,6 +6,7 @@ namespace ajar {
 namespace {
 
 constexpr double kSpeedFilter = 0.1;   // low-pass of the measured speed [s]
+constexpr double kDriftFilter = 2.0;   // the same of its slow part: a hand that swings on a stop gets nowhere [s]
 constexpr double kHeldFactor = 0.1;    // the controller lets nearly nothing of the wanted motion through
 constexpr double kPullingShare = 0.6;  // of the allowed force; the speed law fades out over the rest
 constexpr double kWantsOn = 0.5;       // speed factor above which the hand does as the speed law wants
@@ -16,17 +17,18 @@ constexpr double kLargestDoubt = 0.1;  // an angle less certain than this does n
 EndDetector::EndDetector(const EndConfig& config, const GoalConfig& goal, double force_limit)
     : config_(config), goal_(goal), force_limit_(force_limit) {}
 
-void EndDetector::reset() noexcept { speed_ = still_ = held_ = pressed_ = leaning_ = 0.0; }
+void EndDetector::reset() noexcept { speed_ = drift_ = still_ = held_ = pressed_ = leaning_ = 0.0; }
 
 EndDetector::Verdict EndDetector::step(const EndInput& in, const MechanismEstimate& estimate) noexcept {
   speed_ += std::min(1.0, in.dt / kSpeedFilter) * (in.speed - speed_);
+  drift_ += std::min(1.0, in.dt / kDriftFilter) * (in.speed - drift_);
   still_ = speed_ < config_.still_speed ? still_ + in.dt : 0.0;
   held_ = in.speed_factor < kHeldFactor ? held_ + in.dt : 0.0;
   // A stop is met by a hand that wants on: a hand that the controller holds back must lean on it for longer, or the jerk
-  // of being held back would count.
-  const bool leans = still_ > 0.0 && in.pull_force > in.running_force + config_.stop_force;
-  leaning_ = leans ? leaning_ + in.dt : 0.0;
-  pressed_ = leans && in.speed_factor > kWantsOn ? pressed_ + in.dt : 0.0;
+  // of being held back would count; so must one that swings on the spring of its grasp.
+  const bool risen = in.pull_force > in.running_force + config_.stop_force;
+  leaning_ = risen && drift_ < config_.still_speed ? leaning_ + in.dt : 0.0;
+  pressed_ = risen && still_ > 0.0 && in.speed_factor > kWantsOn ? pressed_ + in.dt : 0.0;
   const double arc = estimate.arc;
 
   if (!goal_.to_the_stop) {
@@ -39,8 +41,9 @@ EndDetector::Verdict EndDetector::step(const EndInput& in, const MechanismEstima
   }
   const bool at_limit = in.pull_force > force_limit_ - config_.reserve;
   const bool too_heavy = in.running_force + config_.stop_force > force_limit_ - config_.reserve;
+  if (arc > config_.stop_arc && !too_heavy && leaning_ > config_.leaning_time) return Verdict::Stop;
   if (arc > config_.stop_arc && still_ > config_.stop_time) {
-    if (!too_heavy && (pressed_ > config_.stop_time || leaning_ > config_.leaning_time)) return Verdict::Stop;
+    if (!too_heavy && pressed_ > config_.stop_time) return Verdict::Stop;
     if (too_heavy && at_limit && still_ > config_.blocked_time) return Verdict::TooHeavy;
   }
   const bool pulls = in.pull_force > kPullingShare * std::min(in.force_cap, force_limit_);

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
 
 namespace ajar {
@@ -42,6 +43,19 @@ TEST(EndDetector, AHandThatIsHeldBackMustLeanOnAStopForLonger) {
   const auto [verdict, time] = hold(ends, leaning, travelled(0.3), 5.0);
   EXPECT_EQ(verdict, Verdict::Stop);
   EXPECT_NEAR(time, EndConfig{}.leaning_time, 0.01);
+}
+
+TEST(EndDetector, AHandThatSwingsOnAStopFeelsIt) {
+  EndDetector ends(EndConfig{}, GoalConfig{.to_the_stop = true}, 45.0);
+  EndInput in{.pull_force = 25.0, .running_force = 5.0};
+  EndDetector::Verdict verdict = Verdict::Going;
+  double time = 0.0;
+  for (; time < 10.0 && verdict == Verdict::Going; time += in.dt) {
+    in.speed = std::fmod(time, 0.8) < 0.4 ? 0.015 : -0.015;  // never below 6 mm/s for long, and nothing gained
+    verdict = ends.step(in, travelled(0.3));
+  }
+  EXPECT_EQ(verdict, Verdict::Stop);
+  EXPECT_NEAR(time, EndConfig{}.leaning_time, 0.5);
 }
 
 TEST(EndDetector, DoesNotTakeAHeavyCloserForAStop) {
