@@ -230,7 +230,7 @@ std::filesystem::path run_folder(const std::filesystem::path& out, int index) {
   return out / "runs" / fmt::format("{:05d}", index);
 }
 
-RunResult replay_run(const Campaign& campaign, int index, const RunFunction& run, RunOptions options) {
+RunResult replay_run(const Campaign& campaign, int index, const RunFunction& run, const RunOptions& options) {
   if (index < 0 || index >= campaign.runs) {
     throw ConfigError(fmt::format("{}: run {}: allowed: 0 … {}", campaign.file.string(), index, campaign.runs - 1));
   }

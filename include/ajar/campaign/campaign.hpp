@@ -90,6 +90,6 @@ using RunFunction = std::function<RunResult(const Scenario&, const RunOptions&)>
 
 /// Makes one run of a campaign again from its seed; the same bytes as when the campaign made it.
 /// @throws ConfigError, IoError, and as `run` does
-RunResult replay_run(const Campaign& campaign, int index, const RunFunction& run, RunOptions options);
+RunResult replay_run(const Campaign& campaign, int index, const RunFunction& run, const RunOptions& options);
 
 }  // namespace ajar
