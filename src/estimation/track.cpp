@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
-#include <optional>
 #include <string_view>
 
 #include "ajar/core/error.hpp"
@@ -28,8 +27,8 @@ constexpr std::array<std::array<std::string_view, 2>, Fields> kNames{{{"time", "
 constexpr double kUnitTolerance = 0.02;  // of a quaternion written with two or more digits [-]
 
 struct Layout {
-  std::array<int, Fields> column;  // -1: not there
-  int phase = -1;                  // column of the phase in a run's log
+  std::array<int, Fields> column{};  // -1: not there
+  int phase = -1;                    // column of the phase in a run's log
   std::size_t columns = 0;
   [[nodiscard]] bool has(Field field) const { return column[field] >= 0; }
 };
@@ -46,13 +45,13 @@ class Reader {
       ++number_;
       split(line);
       if (words_.empty() || words_[0].front() == '#') continue;
-      if (!layout_ && !is_number(words_[0])) {
+      if (layout_.columns == 0 && !is_number(words_[0])) {
         read_header();
         continue;
       }
-      if (!layout_) guess_layout();
-      if (words_.size() != layout_->columns) {
-        fail(std::to_string(words_.size()) + " columns, the lines before have " + std::to_string(layout_->columns));
+      if (layout_.columns == 0) guess_layout();
+      if (words_.size() != layout_.columns) {
+        fail(std::to_string(words_.size()) + " columns, the lines before have " + std::to_string(layout_.columns));
       }
       add_sample();
     }
@@ -147,7 +146,7 @@ class Reader {
   }
 
   [[nodiscard]] double number(std::size_t field) const {
-    const std::string& word = words_[static_cast<std::size_t>(layout_->column[field])];
+    const std::string& word = words_[static_cast<std::size_t>(layout_.column[field])];
     const std::string name(kNames[field][0]);
     if (!is_number(word)) fail(name + " = '" + word + "': must be a number");
     const double value = std::strtod(word.c_str(), nullptr);
@@ -156,7 +155,7 @@ class Reader {
   }
 
   void add_sample() {
-    if (layout_->phase >= 0 && words_[static_cast<std::size_t>(layout_->phase)] != "open") return;
+    if (layout_.phase >= 0 && words_[static_cast<std::size_t>(layout_.phase)] != "open") return;
     TrackSample sample;
     sample.position = Vector3d(number(X), number(Y), number(Z));
     if (track_.has_force) sample.force = Vector3d(number(Fx), number(Fy), number(Fz));
@@ -170,7 +169,7 @@ class Reader {
     if (track_.has_time) {
       sample.time = number(Time);
       if (!track_.samples.empty() && sample.time < track_.samples.back().time) {
-        fail("time = " + words_[static_cast<std::size_t>(layout_->column[Time])] + ": goes back");
+        fail("time = " + words_[static_cast<std::size_t>(layout_.column[Time])] + ": goes back");
       }
     }
     track_.samples.push_back(sample);
@@ -180,7 +179,7 @@ class Reader {
   std::ifstream file_;
   int number_ = 0;
   std::vector<std::string> words_;
-  std::optional<Layout> layout_;
+  Layout layout_;  // no columns: not read yet
   Track track_;
 };
 

@@ -19,7 +19,7 @@ EndDetector::EndDetector(const EndConfig& config, const GoalConfig& goal, double
 
 void EndDetector::reset() noexcept { speed_ = drift_ = still_ = held_ = pressed_ = leaning_ = 0.0; }
 
-EndDetector::Verdict EndDetector::step(const EndInput& in, const MechanismEstimate& estimate) noexcept {
+void EndDetector::watch(const EndInput& in) noexcept {
   speed_ += std::min(1.0, in.dt / kSpeedFilter) * (in.speed - speed_);
   drift_ += std::min(1.0, in.dt / kDriftFilter) * (in.speed - drift_);
   still_ = speed_ < config_.still_speed ? still_ + in.dt : 0.0;
@@ -29,6 +29,10 @@ EndDetector::Verdict EndDetector::step(const EndInput& in, const MechanismEstima
   const bool risen = in.pull_force > in.running_force + config_.stop_force;
   leaning_ = risen && drift_ < config_.still_speed ? leaning_ + in.dt : 0.0;
   pressed_ = risen && still_ > 0.0 && in.speed_factor > kWantsOn ? pressed_ + in.dt : 0.0;
+}
+
+EndDetector::Verdict EndDetector::step(const EndInput& in, const MechanismEstimate& estimate) noexcept {
+  watch(in);
   const double arc = estimate.arc;
 
   if (!goal_.to_the_stop) {

@@ -44,6 +44,9 @@ class EndDetector {
   [[nodiscard]] Verdict step(const EndInput& input, const MechanismEstimate& estimate) noexcept;
 
  private:
+  // Brings the times of standing, leaning and pressing up to date.
+  void watch(const EndInput& input) noexcept;
+
   EndConfig config_;
   GoalConfig goal_;
   double force_limit_;
