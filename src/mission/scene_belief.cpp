@@ -46,7 +46,7 @@ void SceneBelief::reset(const HandleBelief& belief) {
   update(MechanismEstimate{}, belief.position, Vector3d::Zero());
 }
 
-void SceneBelief::update(const MechanismEstimate& estimate, const Vector3d& hand, const Vector3d& turned) noexcept {
+void SceneBelief::refine_normal(const MechanismEstimate& estimate) noexcept {
   const Vector3d& k = estimate.curvature;
   const double kappa = k.norm();
   Vector3d wanted = normal_;
@@ -75,16 +75,11 @@ void SceneBelief::update(const MechanismEstimate& estimate, const Vector3d& hand
     }
     if (wanted.dot(normal_) > 0.9) normal_ = (normal_ + kRefineRate * (wanted - normal_)).normalized();
   }
+}
 
-  const Matrix3d R_closed = leaf_axes(normal_);
-  if (!belief_.passage) {
-    wall_.half_extents = Vector3d(2.5, 0.5 * kWallThickness, 1.5);
-    wall_.pose.linear() = R_closed;
-    wall_.pose.translation() = belief_.position - (belief_.standoff - kFront + 0.5 * kWallThickness) * normal_;
-    wall_.pose.translation().z() = 1.5;
-  }
-
-  const Matrix3d R_leaf = exp_so3(turned) * R_closed;
+void SceneBelief::place_leaf(const MechanismEstimate& estimate, const Vector3d& hand, const Matrix3d& R_leaf) noexcept {
+  const Vector3d& k = estimate.curvature;
+  const double kappa = k.norm();
   const Vector3d n_leaf = -R_leaf.col(1);
   const Vector3d foot = hand - belief_.standoff * n_leaf;
   leaf_.pose.linear() = R_leaf;
@@ -108,6 +103,18 @@ void SceneBelief::update(const MechanismEstimate& estimate, const Vector3d& hand
   } else {
     leaf_.half_extents = Vector3d(0.3, 0.02, half);
   }
+}
+
+void SceneBelief::update(const MechanismEstimate& estimate, const Vector3d& hand, const Vector3d& turned) noexcept {
+  refine_normal(estimate);
+  const Matrix3d R_closed = leaf_axes(normal_);
+  if (!belief_.passage) {
+    wall_.half_extents = Vector3d(2.5, 0.5 * kWallThickness, 1.5);
+    wall_.pose.linear() = R_closed;
+    wall_.pose.translation() = belief_.position - (belief_.standoff - kFront + 0.5 * kWallThickness) * normal_;
+    wall_.pose.translation().z() = 1.5;
+  }
+  place_leaf(estimate, hand, exp_so3(turned) * R_closed);
 }
 
 void SceneBelief::place(ClearanceChecker& checker, bool hand_near) const noexcept {

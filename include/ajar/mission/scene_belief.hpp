@@ -32,6 +32,11 @@ class SceneBelief {
   [[nodiscard]] Vector3d leaf_normal() const noexcept { return -leaf_.pose.linear().col(1); }
 
  private:
+  // The way travelled tells the plane of the wall better than the camera did.
+  void refine_normal(const MechanismEstimate& estimate) noexcept;
+  // R_leaf: axes of the leaf as it stands now (to the right, into the wall, up).
+  void place_leaf(const MechanismEstimate& estimate, const Vector3d& hand, const Matrix3d& R_leaf) noexcept;
+
   HandleBelief belief_;
   Vector3d normal_ = -Vector3d::UnitY();
   Box wall_;
