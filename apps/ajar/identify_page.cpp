@@ -9,10 +9,12 @@
 #include <vector>
 
 #include "ajar/core/error.hpp"
+#include "ajar/core/markup.hpp"
 #include "ajar/core/so3.hpp"
 
 namespace {
 
+using ajar::escape_markup;
 using ajar::Identification;
 using ajar::MechanismType;
 using ajar::Track;
@@ -33,19 +35,6 @@ td{padding:.15em 1.2em .15em 0;vertical-align:top}td:first-child{color:#5c6b78}.
 svg{background:#fff}svg text{font:11px system-ui,sans-serif;fill:#5c6b78}.g{stroke:#e4e9ee}.s{fill:#2f7fb8}.o{stroke:#c0392b;stroke-width:1.5}
 .p{fill:none;stroke:#e08a1e;stroke-width:2}.l{fill:none;stroke:#9aa7b2;stroke-width:1.2;stroke-dasharray:5 4}
 .legend{color:#5c6b78;font-size:13px})";
-
-std::string escaped(const std::string& text) {
-  std::string out;
-  for (const char c : text) {
-    switch (c) {
-      case '&': out += "&amp;"; break;
-      case '<': out += "&lt;"; break;
-      case '>': out += "&gt;"; break;
-      default: out += c;
-    }
-  }
-  return out;
-}
 
 // A rectangle of the plane, drawn with numbers along two sides.
 class Picture {
@@ -211,8 +200,8 @@ void write_identify_page(const std::string& file, const std::string& title, cons
                          const Identification& found) {
   std::ofstream out(file);
   out << "<!doctype html><html lang='en'><meta charset='utf-8'><meta name='viewport' content='width=device-width'><title>"
-      << escaped(title) << "</title><style>" << kStyle << "</style><h1>" << type_name(found.type)
-      << fmt::format(", confidence {:.4f}", found.type_confidence) << "</h1><div class='legend'>" << escaped(title)
+      << escape_markup(title) << "</title><style>" << kStyle << "</style><h1>" << type_name(found.type)
+      << fmt::format(", confidence {:.4f}", found.type_confidence) << "</h1><div class='legend'>" << escape_markup(title)
       << "</div>" << table(found) << "<div class='row'><div><h2>Track and path</h2>" << draw_path(track, found)
       << "<div class='legend'>dots: samples, crosses: outliers, orange: the path found, dashed: its "
          "chord</div></div><div><h2>Distance "

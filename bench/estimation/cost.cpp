@@ -28,10 +28,7 @@ void judge_cost(Table& table) {
       EstimatorConfig config;
       test::Measured measured(path, config.noise, rng);
       MechanismEstimator estimator(config);
-      Pose start = Pose::Identity();
-      start.translation() = path.origin;
-      start.linear() = path.grasp;
-      estimator.reset(start, path.F.col(0));
+      estimator.reset(path.start(), path.F.col(0));
       for (double s = 0.0; s < 0.7; s += kTickPath) {
         const PathSample sample = measured.at(s, run % 4 == 3 ? 0.0 : 1.0);
         EstimatorInput input;

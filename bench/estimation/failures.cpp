@@ -109,10 +109,7 @@ double pivot_found(double radius, double follow, Random& rng) {
   config.noise = robot_noise();
   test::Measured measured(path, config.noise, rng);
   MechanismEstimator estimator(config);
-  Pose start = Pose::Identity();
-  start.translation() = path.origin;
-  start.linear() = path.grasp;
-  estimator.reset(start, path.F.col(0));
+  estimator.reset(path.start(), path.F.col(0));
   for (double s = 0.0; s < 0.45; s += kSpacing) {
     const PathSample sample = measured.at(s, follow);
     EstimatorInput input;

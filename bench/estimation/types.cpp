@@ -27,10 +27,7 @@ Decision run_track(double radius, bool rotation, Random& rng) {
   config.use_rotation = rotation;
   test::Measured measured(path, config.noise, rng);
   MechanismEstimator estimator(config);
-  Pose start = Pose::Identity();
-  start.translation() = path.origin;
-  start.linear() = path.grasp;
-  estimator.reset(start, path.F.col(0));
+  estimator.reset(path.start(), path.F.col(0));
   const MechanismType truth = radius > 0.0 ? MechanismType::Hinge : MechanismType::Slide;
   const double length = radius > 0.0 ? std::min(kWatched, kWatchedTurn * radius) : kWatched;
   Decision decision;

@@ -8,7 +8,7 @@
 namespace ajar {
 namespace {
 
-// The hand waits for the base: full speed up to 6 cm of lag, a fifth from 16 cm (the reach left beside the posture).
+// The hand waits for the base: full speed up to 12 cm of lag, a fifth from 22 cm (the reach left beside the posture).
 constexpr double kLagStop = 0.24;
 constexpr double kLagRange = 0.12;
 constexpr double kLagLeast = 0.2;
@@ -35,10 +35,11 @@ bool is_finite(const SpeedInput& input) {
 
 }  // namespace
 
+double waiting_share(double lag) noexcept { return std::clamp((kLagStop - lag) / kLagRange, kLagLeast, 1.0); }
+
 double wanted_speed(const SpeedInput& input, const ForceLawConfig& config) noexcept {
   const double confidence = std::clamp(input.confidence, 0.0, 1.0);
-  const double gate = std::clamp((kLagStop - input.base_lag) / kLagRange, kLagLeast, 1.0);
-  double speed = config.speed_start + (config.speed - config.speed_start) * confidence * gate;
+  double speed = config.speed_start + (config.speed - config.speed_start) * confidence * waiting_share(input.base_lag);
   speed = std::min(speed, std::max(input.speed_cap, 0.0));
   const double limit = std::min(config.force_limit, std::max(input.force_cap, 1.0));
   speed *= std::clamp((limit - std::abs(input.pull_force)) / std::min(kPullRange, kCapShare * limit), 0.0, 1.0);

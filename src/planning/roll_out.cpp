@@ -4,6 +4,8 @@
 #include <cmath>
 
 #include "ajar/core/so3.hpp"
+#include "ajar/interaction/force_law.hpp"
+#include "ajar/planning/believed_scene.hpp"
 #include "ajar/planning/passage.hpp"
 
 namespace ajar {
@@ -35,9 +37,6 @@ constexpr double kSoftShare = 0.5;
 constexpr double kStartSpeed = 0.02;  // [m/s]
 constexpr double kArcBegin = 0.015;   // [m]
 constexpr double kArcFull = 0.06;     // [m]
-constexpr double kLagFree = 0.12;     // [m]
-constexpr double kLagFull = 0.24;     // [m]
-constexpr double kLeastGate = 0.2;
 // The estimator knows type and leaf only after this arc [m].
 constexpr double kKindArc = 0.10;
 // Farther from the path than this the grasp would be lost [m].
@@ -49,20 +48,6 @@ constexpr double kPathGain = 2.0;      // of the roll-out's path error, in place
 // A free grip is brought weakly to where it hinders least (as the loop does).
 constexpr double kPivotCentring = 0.3;  // [1/s]
 constexpr double kFlapTurn = 0.6;       // [rad]
-// Leaf box: from the axis to beyond the handle [m].
-constexpr double kLatchEdge = 0.09;
-constexpr double kHingeRoom = 0.05;
-constexpr double kFront = 0.02;
-constexpr double kWallThickness = 0.3;
-
-// Axes (to the right as the robot sees it, into the wall, up): right-handed for every horizontal normal.
-Matrix3d leaf_axes(const Vector3d& normal) {
-  Matrix3d R;
-  R.col(0) = Vector3d(-normal.y(), normal.x(), 0.0).normalized();
-  R.col(1) = -Vector3d(normal.x(), normal.y(), 0.0).normalized();
-  R.col(2) = R.col(0).cross(R.col(1));
-  return R;
-}
 
 WbcConfig roll_out_limits(WbcConfig config) {
   config.base_share = 1.0;  // the model's base does what it is told, without lag
@@ -93,15 +78,6 @@ double roll_out_value(const RollOutResult& result, bool soft) noexcept {
   return soft ? kSoftOffset + kSoftShare * value : value;
 }
 
-Box believed_wall(const HandleBelief& belief) {
-  Box wall;
-  wall.half_extents = Vector3d(2.5, 0.5 * kWallThickness, 1.5);
-  wall.pose.linear() = leaf_axes(belief.normal);
-  wall.pose.translation() = belief.position + (belief.standoff - kFront + 0.5 * kWallThickness) * wall.pose.linear().col(1);
-  wall.pose.translation().z() = 1.5;
-  return wall;
-}
-
 RollOut::RollOut(const RobotModel& model, const PlannerConfig& config, const WbcConfig& wbc, const BaseLawConfig& base_law,
                  const ClearanceConfig& clearance)
     : model_(model),
@@ -113,25 +89,13 @@ RollOut::RollOut(const RobotModel& model, const PlannerConfig& config, const Wbc
 
 void RollOut::place_leaf(const HandleBelief& belief, const MechanismHypothesis& hypothesis, const HypothesisPoint& point,
                          double arc) {
-  const Matrix3d R_closed = leaf_axes(belief.normal);
-  const Matrix3d R = exp_so3(point.turned) * R_closed;
+  const Matrix3d R = exp_so3(point.turned) * leaf_axes(belief.normal);
   const Vector3d foot = belief.position + point.shift + belief.standoff * R.col(1);
-  Box leaf;
-  leaf.pose.linear() = R;
-  leaf.half_extents = Vector3d(0.25, 0.01, 0.10);
-  leaf.pose.translation() = foot + 0.01 * R.col(1);
   const double kappa = hypothesis.curvature.norm();
+  Box leaf = leaf_behind_handle(R, foot);
   if ((arc > kKindArc || belief.passage) && kappa > 0.0) {
-    const bool upright = std::abs(hypothesis.curvature.z()) > 0.7 * kappa;
-    const Vector3d along = upright ? R.col(0) : R.col(2);
     const Vector3d centre = belief.position + hypothesis.curvature.cross(hypothesis.direction) / (kappa * kappa);
-    const double reach = std::clamp((centre - foot).dot(along), -1.1, 1.1);
-    const double near_axis = reach - std::copysign(std::min(kHingeRoom, std::abs(reach)), reach);
-    const double beyond = -std::copysign(kLatchEdge, reach);
-    const double half = 0.5 * std::abs(near_axis - beyond);
-    leaf.pose.translation() = foot + 0.5 * (near_axis + beyond) * along;
-    leaf.half_extents = upright ? Vector3d(half, 0.02, 1.0) : Vector3d(0.3, 0.02, half);
-    if (upright) leaf.pose.translation().z() = 1.0;
+    leaf = leaf_from_axis(R, foot, centre, std::abs(hypothesis.curvature.z()) > 0.7 * kappa);
   }
   clearance_.set_obstacle(kLeaf, leaf, true);
 }
@@ -169,8 +133,7 @@ RollOutResult RollOut::look(const HandleBelief& belief, const BasePose& base, co
 BaseTwist RollOut::base_twist(BaseLaw& law, const MechanismHypothesis& hypothesis, Motion& motion, double dt) const {
   const HypothesisPoint point = point_at(hypothesis, motion.arc);
   motion.confidence = std::clamp((motion.arc - kArcBegin) / (kArcFull - kArcBegin), 0.0, 1.0);
-  const double gate = std::clamp((kLagFull - motion.lag) / (kLagFull - kLagFree), kLeastGate, 1.0);
-  motion.speed = kStartSpeed + (config_.speed - kStartSpeed) * motion.confidence * gate;
+  motion.speed = kStartSpeed + (config_.speed - kStartSpeed) * motion.confidence * waiting_share(motion.lag);
   const Vector3d curvature = motion.arc > kArcFull ? hypothesis.curvature : Vector3d(Vector3d::Zero());
   const BaseLawOutput out = law.step({.dt = dt,
                                       .base = motion.base,

@@ -2,6 +2,8 @@
 
 #include <stdexcept>
 
+#include "ajar/core/markup.hpp"
+
 namespace ajar::page {
 namespace {
 
@@ -23,20 +25,6 @@ std::string for_script(const std::string& json) {
   return out;
 }
 
-std::string escape_html(const std::string& text) {
-  std::string out;
-  for (const char c : text) {
-    switch (c) {
-      case '<': out += "&lt;"; break;
-      case '>': out += "&gt;"; break;
-      case '&': out += "&amp;"; break;
-      case '"': out += "&quot;"; break;
-      default: out += c;
-    }
-  }
-  return out;
-}
-
 }  // namespace
 
 std::string dump(const nlohmann::ordered_json& json) {
@@ -49,7 +37,7 @@ std::string fill(const std::string& title, const std::string& data) {
     throw std::logic_error("web/dist/page.html has no title or no slot for its data");
   }
   std::string out(kPage.substr(0, head));
-  out += "<title>" + escape_html(title) + " - Ajar</title>";
+  out += "<title>" + escape_markup(title) + " - Ajar</title>";
   const std::size_t rest = head + kTitle.size(), end = slot + kSlot.size();
   out += kPage.substr(rest, end - rest);
   out += for_script(data);

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <limits>
 
+#include "ajar/core/markup.hpp"
+
 namespace ajar {
 namespace {
 
@@ -159,13 +161,13 @@ std::string Axes::frame(const std::string& id) const {
   out += ticks_x() + ticks_y();
   out += fmt::format("<rect class=\"f\" x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\"/>\n", x0, y0, width_,
                      height_);
-  out += fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" class=\"t\">{}</text>\n", x0, y0 - 9.0, xml_text(panel_.title));
+  out += fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" class=\"t\">{}</text>\n", x0, y0 - 9.0, escape_markup(panel_.title));
   out += fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" class=\"m\">{}</text>\n", x0 + 0.5 * width_, y0 + height_ + 34.0,
-                     xml_text(panel_.x_label));
+                     escape_markup(panel_.x_label));
   const double label_x = left_ + 13.0;
   const double label_y = y0 + 0.5 * height_;
   out += fmt::format("<text x=\"{0:.1f}\" y=\"{1:.1f}\" class=\"m\" transform=\"rotate(-90 {0:.1f} {1:.1f})\">{2}</text>\n",
-                     label_x, label_y, xml_text(panel_.y_label));
+                     label_x, label_y, escape_markup(panel_.y_label));
   return out;
 }
 
@@ -208,7 +210,7 @@ std::string draw_panel(const FigurePanel& panel, double left, double top, double
         "<circle cx=\"{0:.1f}\" cy=\"{1:.1f}\" r=\"4\" fill=\"{2}\" stroke=\"#fff\"/><text x=\"{3:.1f}\" y=\"{4:.1f}\" "
         "class=\"k\">{5}</text>\n",
         axes.x(mark.at.x), axes.y(mark.at.y), style_of(mark.style).colour, axes.x(mark.at.x) + 6.0, axes.y(mark.at.y) - 6.0,
-        xml_text(mark.text));
+        escape_markup(mark.text));
   }
   return out + "</g>\n";
 }
@@ -233,20 +235,6 @@ constexpr const char* kCss =
 
 }  // namespace
 
-std::string xml_text(const std::string& text) {
-  std::string out;
-  for (const char c : text) {
-    switch (c) {
-      case '&': out += "&amp;"; break;
-      case '<': out += "&lt;"; break;
-      case '>': out += "&gt;"; break;
-      case '"': out += "&quot;"; break;
-      default: out += c;
-    }
-  }
-  return out;
-}
-
 std::string to_svg(const Figure& figure) {
   const int columns = std::max(1, std::min(figure.columns, static_cast<int>(figure.panels.size())));
   const int rows = (static_cast<int>(figure.panels.size()) + columns - 1) / columns;
@@ -264,7 +252,7 @@ std::string to_svg(const Figure& figure) {
     }
     legend +=
         fmt::format("<path class=\"l\" stroke=\"{}\"{} d=\"M{:.1f} {:.1f}h26\"/><text x=\"{:.1f}\" y=\"{:.1f}\">{}</text>\n",
-                    style_of(style).colour, dash_of(style), at_x, at_y - 4.0, at_x + 32.0, at_y, xml_text(label));
+                    style_of(style).colour, dash_of(style), at_x, at_y - 4.0, at_x + 32.0, at_y, escape_markup(label));
     at_x += length;
   }
   const double head = at_y + 8.0;
@@ -274,7 +262,7 @@ std::string to_svg(const Figure& figure) {
       "role=\"img\">\n"
       "<title>{2}</title>\n<style>{3}</style>\n<rect width=\"{0:.0f}\" height=\"{1:.0f}\" fill=\"#fff\"/>\n"
       "<text x=\"{4:.0f}\" y=\"20\" class=\"h\">{2}</text>\n",
-      width, height, xml_text(figure.title), kCss, kLeft);
+      width, height, escape_markup(figure.title), kCss, kLeft);
   out += legend;
   for (std::size_t i = 0; i < figure.panels.size(); ++i) {
     const int column = static_cast<int>(i) % columns;

@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "ajar/core/markup.hpp"
 #include "ajar/thesis/reproduction.hpp"
 
 namespace ajar {
@@ -36,8 +37,8 @@ std::string table(const std::vector<ThesisStatement>& statements) {
     out += fmt::format(
         "<tr><td>{}</td><td>{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td>{}</td>"
         "<td class=\"{}\">{}</td><td>{}</td></tr>\n",
-        xml_text(s.figure), xml_text(s.statement), number(s.thesis), number(s.corrected), number(s.ours), xml_text(s.unit),
-        s.holds ? "yes" : "no", s.holds ? "yes" : "no", xml_text(s.reason));
+        escape_markup(s.figure), escape_markup(s.statement), number(s.thesis), number(s.corrected), number(s.ours),
+        escape_markup(s.unit), s.holds ? "yes" : "no", s.holds ? "yes" : "no", escape_markup(s.reason));
   }
   return out + "</tbody>\n</table>\n";
 }
@@ -64,7 +65,7 @@ std::string to_html(const Reproduction& reproduction) {
   out += "<h2>Figures</h2>\n";
   for (const Figure& figure : reproduction.figures) {
     out += fmt::format("<figure id=\"{}\">\n{}<figcaption>{}</figcaption></figure>\n", figure.name, to_svg(figure),
-                       xml_text(figure.caption));
+                       escape_markup(figure.caption));
   }
   return out + "</body></html>\n";
 }

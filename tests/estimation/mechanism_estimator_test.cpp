@@ -127,10 +127,7 @@ TEST(MechanismEstimator, TellsOfASlipInTheGripAndGoesOn) {
     const test::TruePath path = test::random_path(0.6, rng);
     test::Measured measured(path, config.noise, rng);
     MechanismEstimator estimator(config);
-    Pose start = Pose::Identity();
-    start.translation() = path.origin;
-    start.linear() = path.grasp;
-    estimator.reset(start, path.F.col(0));
+    estimator.reset(path.start(), path.F.col(0));
     bool alarm = false;
     double s = 0.0;
     for (; s < 0.35; s += 0.0002) {
@@ -310,10 +307,7 @@ TEST(MechanismEstimator, NeverAllocatesAndTakesMicroseconds) {
     inputs.push_back(input);
   }
   MechanismEstimator estimator(config);
-  Pose start = Pose::Identity();
-  start.translation() = handle.path.origin;
-  start.linear() = handle.path.grasp;
-  estimator.reset(start, handle.path.F.col(0));
+  estimator.reset(handle.path.start(), handle.path.F.col(0));
   std::vector<double> micros;
   micros.reserve(inputs.size());
 #if AJAR_COUNTS_ALLOCATIONS

@@ -20,6 +20,13 @@ struct TruePath {
   Vector3d origin = Vector3d::Zero();
   Matrix3d grasp = Matrix3d::Identity();
 
+  /// Pose of the hand at the grasp.
+  [[nodiscard]] Pose start() const {
+    Pose pose = Pose::Identity();
+    pose.translation() = origin;
+    pose.linear() = grasp;
+    return pose;
+  }
   [[nodiscard]] Vector3d k() const { return F * local_curvature(kap); }
   [[nodiscard]] Vector3d position(double s) const { return origin + F * curve_at(kap, s).q; }
   [[nodiscard]] Matrix3d turn(double s) const { return exp_so3(s * k()); }

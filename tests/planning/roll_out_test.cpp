@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "ajar/planning/believed_scene.hpp"
 #include "ajar/planning/grasp_planner.hpp"
 #include "ajar/planning/roll_out.hpp"
 

@@ -69,13 +69,18 @@ class ForceLaw {
 /// What the speed law is told in one tick.
 struct SpeedInput {
   double confidence = 0.0;      ///< 0 … 1 from the estimate: start speed … cruise [-]
-  double base_lag = 0.0;        ///< Distance of the base from its reference [m]
+  double base_lag = 0.0;        ///< What the base has to make up, see BaseLawOutput::lag [m]
   double pull_force = 0.0;      ///< x·f [N]
   double normal_force = 0.0;    ///< |P f| [N]
   double measured_speed = 0.0;  ///< x·V [m/s]
   double speed_cap = 1.0;       ///< From outside, e.g. an end is possible [m/s]
   double force_cap = 1e3;  ///< Pull force allowed now, e.g. while the direction is unsure; the force limit holds besides [N]
 };
+
+/// Share of the cruise speed at which the hand goes on while the base has this much to make up.
+/// (docs/equations.md#speed-law)
+/// @param lag  [m]
+[[nodiscard]] double waiting_share(double lag) noexcept;
 
 /// Steady tangential speed before ramps and give: start speed to cruise by confidence, waiting for a lagging base,
 /// lowered as the forces near the limit. (docs/equations.md#speed-law) [m/s]

@@ -27,7 +27,7 @@ class SceneBelief {
   void place(ClearanceChecker& checker, bool hand_near = true) const noexcept;
 
   /// Outward normal of the wall at the closed handle, unit.
-  [[nodiscard]] const Vector3d& normal() const noexcept { return normal_; }
+  [[nodiscard]] const Vector3d& normal() const noexcept { return belief_.normal; }
   /// Outward normal of the leaf as it stands, unit.
   [[nodiscard]] Vector3d leaf_normal() const noexcept { return -leaf_.pose.linear().col(1); }
 
@@ -37,8 +37,7 @@ class SceneBelief {
   // R_leaf: axes of the leaf as it stands now (to the right, into the wall, up).
   void place_leaf(const MechanismEstimate& estimate, const Vector3d& hand, const Matrix3d& R_leaf) noexcept;
 
-  HandleBelief belief_;
-  Vector3d normal_ = -Vector3d::UnitY();
+  HandleBelief belief_;  // its normal is horizontal and refined by touch
   Box wall_;
   Box hinge_wall_;
   Vector3d axis_ = Vector3d::Zero();  // of the leaf in a doorway, until its own is felt

@@ -20,9 +20,6 @@ struct RollOutResult {
 /// (docs/equations.md#choice)
 [[nodiscard]] double roll_out_value(const RollOutResult& result, bool soft) noexcept;
 
-/// The wall behind a closed handle as an obstacle: an upright slab whose face stands 2 cm before the leaf.
-[[nodiscard]] Box believed_wall(const HandleBelief& belief);
-
 /// Rolls an opening out on the model with the controller that will do it. Planning only; one object per thread.
 class RollOut {
  public:

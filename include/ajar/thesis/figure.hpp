@@ -62,7 +62,4 @@ struct Figure {
 /// The figure as SVG: colour-blind safe (Okabe and Ito), text as text, the same bytes for the same numbers.
 [[nodiscard]] std::string to_svg(const Figure& figure);
 
-/// Text with the characters that XML reserves written out.
-[[nodiscard]] std::string xml_text(const std::string& text);
-
 }  // namespace ajar

@@ -42,7 +42,7 @@ struct BaseLawInput {
 
 struct BaseLawOutput {
   BaseTwist twist;
-  double lag = 0.0;            ///< Distance of the base from its reference [m]
+  double lag = 0.0;            ///< Distance of the base from its reference, and a turn that it must make first [m]
   double heading_error = 0.0;  ///< [rad]
 };
 

@@ -1,0 +1,25 @@
+#pragma once
+
+#include "ajar/model/clearance.hpp"
+#include "ajar/planning/grasp_planner.hpp"
+
+namespace ajar {
+
+/// Axes of a leaf or wall as the robot sees it: to the right, into the wall, up; right-handed for every horizontal normal.
+/// @param normal  Outward, not vertical; its horizontal part counts
+[[nodiscard]] Matrix3d leaf_axes(const Vector3d& normal) noexcept;
+
+/// The wall behind a closed handle as an obstacle: an upright slab whose face stands 2 cm before the leaf.
+[[nodiscard]] Box believed_wall(const HandleBelief& belief) noexcept;
+
+/// Leaf of which only the handle is known: a small box behind it. (docs/equations.md#scene-belief)
+/// @param R     Axes of the leaf as it stands
+/// @param foot  Point of its face behind the grip [m]
+[[nodiscard]] Box leaf_behind_handle(const Matrix3d& R, const Vector3d& foot) noexcept;
+
+/// Leaf of a hinge: from beside its axis to beyond the handle. (docs/equations.md#scene-belief)
+/// @param centre   Any point of the axis [m]
+/// @param upright  The axis is vertical; else it lies level
+[[nodiscard]] Box leaf_from_axis(const Matrix3d& R, const Vector3d& foot, const Vector3d& centre, bool upright) noexcept;
+
+}  // namespace ajar
