@@ -232,8 +232,8 @@ void Mission::Impl::enter(Phase next) noexcept {
       break;
     case Phase::Open: controller.reset(); break;
     case Phase::Retreat: retreat_sense = 0.0; break;
+    case Phase::Regrasp: is_shut = false; break;
     case Phase::Approach:
-    case Phase::Regrasp:
     case Phase::Release:
     case Phase::Done:
     case Phase::Stopped: break;

@@ -43,6 +43,7 @@ struct Mission::Impl {
   bool base_blocked(const RobotState& state) noexcept;
 
   // The phases.
+  [[nodiscard]] HandleBelief seen() const noexcept;
   void choose(const RobotState& state);
   void approach(const RobotState& state);
   void reach(const RobotState& state);
@@ -57,6 +58,7 @@ struct Mission::Impl {
   bool found_to_open_away(EndDetector::Verdict verdict) noexcept;
   bool let_go(const RobotState& state, double give_time) noexcept;
   bool start_folding(const RobotState& state);
+  bool shut(const RobotState& state) noexcept;
   void regrasp(const RobotState& state);
   void release(const RobotState& state);
   void retreat(const RobotState& state) noexcept;
@@ -108,11 +110,15 @@ struct Mission::Impl {
   double last_opening = 0.0;
   int misses = 0;
   int probes = 0;
+  double moving_force = 0.0;           // that probing needed to move it, with a reserve; 0 = it was not probed [N]
   std::optional<HingeSide> felt_side;  // of a leaf that opens away
+  double misreading = 0.0;             // of the camera about the vertical, as felt [rad]
   double blocked_time = 0.0;
   double given_until = 0.0;  // time in the phase at which the fingers began to open; 0 = the hand still gives way
   bool holding = false;
   Pose clear_pose = Pose::Identity();
+  Pose taken_at = Pose::Identity();  // hand when the fingers had closed
+  bool is_shut = false;              // what was opened a little before letting go stands again as it was
   BasePose retreat_start;
   double retreat_sense = 0.0;
   double last_gap = 0.0;

@@ -45,7 +45,7 @@ Opener::Opener(const RobotModel& model, const MissionConfig& config)
 }
 
 void Opener::start(const RobotState& state, const Kinematics& kinematics, const HandleBelief& belief,
-                   const Vector3d& direction) noexcept {
+                   const Vector3d& direction, double force) noexcept {
   R_grasp_ = kinematics.X_WE.linear();
   bar_in_hand_ = R_grasp_.transpose() * belief.bar;
   base_law_.reset(state.base, kinematics.X_WE.translation(),
@@ -55,7 +55,7 @@ void Opener::start(const RobotState& state, const Kinematics& kinematics, const 
   HandleBelief held = belief;
   held.position = kinematics.X_WE.translation();
   scene_.reset(held);
-  redirect(kinematics, direction);
+  redirect(kinematics, direction, force);
 }
 
 void Opener::redirect(const Kinematics& kinematics, const Vector3d& direction, double force) noexcept {

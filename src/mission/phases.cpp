@@ -29,15 +29,13 @@ constexpr double kHeldOpening = 0.003;  // fingers farther apart than this hold 
 constexpr int kMaxMisses = 3;
 constexpr int kMaxProbes = 3;
 constexpr double kProbeReserve = 8.0;    // over the force that moved it in probing [N]
-constexpr double kAwayArc = 0.04;        // a direction this far travelled is felt, not guessed [m]
-constexpr double kAwayCosine = -0.5;     // more into the wall than along it
-constexpr double kFeelArc = 0.14;        // travel after which the hinge's side is felt, whatever it looked like [m]
-constexpr double kSideSigmas = 3.0;      // curvature over its deviation that tells the side
 constexpr double kRelease = 1e-3;        // gives way to what force is left: half of α_f [m/(N s)]
 constexpr double kReleaseTurn = 0.05;    // [rad/(N m s)]
 constexpr double kRelaxTime = 0.3;       // the hand gives way at least this long before the fingers open [s]
 constexpr double kHoldTime = 1.5;        // force that remains after this comes from the leaf, not from the arm [s]
 constexpr double kLeadBackTime = 15.0;   // 12 cm at 1 cm/s, with reserve [s]
+constexpr double kShutTime = 5.0;        // way back to where the leaf was taken: 14 cm at 6 cm/s, twice [s]
+constexpr double kShut = 5e-3;           // nearer than this to that place it is shut [m]
 constexpr double kLightForce = 1.5;      // three deviations of noise and drift of the sensor after a minute [N]
 constexpr double kOpenFingerTime = 0.6;  // [s]
 constexpr double kWithdraw = 0.12;       // the hand leaves the handle by this much [m]
@@ -58,7 +56,7 @@ void Mission::Impl::choose(const RobotState& state) {
     return;
   }
   if (time_in_phase < kLookTime) return;
-  handle = sights.belief();
+  handle = seen();
   if (felt_side) handle.passage = make_passage(handle, *felt_side);
   if (handle.thickness <= 0.0 || handle.thickness > model.gripper_stroke()) {
     detail = handle.thickness <= 0.0 ? std::string("nothing to grip: flush with the leaf")
@@ -81,7 +79,7 @@ void Mission::Impl::choose(const RobotState& state) {
 void Mission::Impl::approach(const RobotState& state) {
   if (!planned) {
     KeepOut wall;
-    wall.point = (handle.position - handle.standoff * handle.normal).head<2>();
+    wall.point = (handle.position + (reveal_depth(handle) - handle.standoff) * handle.normal).head<2>();
     wall.normal = handle.normal.head<2>().normalized();
     if (handle.passage) {
       wall.point = handle.passage->hinge.head<2>();
@@ -135,7 +133,7 @@ void Mission::Impl::reach(const RobotState& state) {
       return;
     }
     if (!located) {
-      correct_odometry(sights.belief());
+      correct_odometry(seen());
       located = true;  // the next tick sees the base where it is
     } else {
       start_reach(state);
@@ -211,7 +209,8 @@ void Mission::Impl::close_fingers(const RobotState& state) noexcept {
   if (state.gripper_opening > kHeldOpening) {
     direction = guess.value_or(handle.normal);
     if (handle.passage) direction = passage_direction(handle, *handle.passage);
-    opener.start(state, record.kinematics, handle, direction);
+    taken_at = record.kinematics.X_WE;
+    opener.start(state, record.kinematics, handle, direction, moving_force);
     record.estimate = opener.estimate();
     process(guess || handle.passage ? Event::Held : Event::HeldBlind);
     return;
@@ -227,7 +226,8 @@ void Mission::Impl::close_fingers(const RobotState& state) noexcept {
 void Mission::Impl::probe(const RobotState& state) noexcept {
   solve_hand_twist(state, prober.step(record.kinematics.X_WE, record.wrench, config.period));
   if (prober.status() == Prober::Status::Found) {
-    opener.redirect(record.kinematics, prober.direction(), prober.force() + kProbeReserve);
+    moving_force = prober.force() + kProbeReserve;
+    opener.redirect(record.kinematics, prober.direction(), moving_force);
     record.estimate = opener.estimate();
     process(Event::Found);
   } else if (prober.status() == Prober::Status::Nothing) {
@@ -258,23 +258,6 @@ void Mission::Impl::open(const RobotState& state) noexcept {
     case EndDetector::Verdict::Stalled: process(Event::Ended, EndReason::Stalled); break;
     case EndDetector::Verdict::ClearanceStop: process(Event::Ended, EndReason::ClearanceStop); break;
   }
-}
-
-// A leaf that gives away from the robot: where a doorway is seen it is pushed, once the side of its hinge is felt.
-bool Mission::Impl::found_to_open_away(EndDetector::Verdict verdict) noexcept {
-  const MechanismEstimate& e = record.estimate;
-  const bool away = e.fitted && e.arc > kAwayArc && e.direction.dot(handle.normal) < kAwayCosine;
-  if (!away || handle.passage) return false;
-  if (!handle.doorway) {
-    process(Event::Ended, EndReason::OpensAway);
-    return true;
-  }
-  const HingeSide side = e.curvature.z() < 0.0 ? HingeSide::Right : HingeSide::Left;
-  const bool sure = std::abs(e.curvature.z()) > kSideSigmas * e.curvature_sigma && side == likely_side(handle);
-  if (!sure && e.arc < kFeelArc && verdict == EndDetector::Verdict::Going) return false;
-  felt_side = side;
-  process(Event::Rechoose);
-  return true;
 }
 
 // Gives way to what force is left, opens the fingers and draws the hand back along its axis. True once it is clear.
@@ -337,8 +320,28 @@ bool Mission::Impl::start_folding(const RobotState& state) {
   return true;
 }
 
+// Leads what is held back to where it was taken hold of, so that the hand leaves a frame the way it came. Sideways it gives
+// way. True once it is there or goes no further.
+bool Mission::Impl::shut(const RobotState& state) noexcept {
+  const Pose& hand = record.kinematics.X_WE;
+  const Vector3d back = taken_at.translation() - hand.translation();
+  const Vector3d along = back.normalized();
+  const Vector3d& f = record.wrench.force;
+  Vector6d twist;
+  twist << std::min(kHandSpeed, kHandGain * back.norm()) * along - kRelease * (f - f.dot(along) * along),
+      kHandGain * log_so3(taken_at.linear() * hand.linear().transpose()) - kReleaseTurn * record.wrench.torque;
+  solve_hand_twist(state, twist);
+  if (back.norm() < kShut) opener.scene().reset(handle);  // the leaf stands as it was first seen
+  return back.norm() < kShut || time_in_phase > kShutTime;
+}
+
 // Lets go and folds the arm for the drive to another place.
 void Mission::Impl::regrasp(const RobotState& state) {
+  if (!is_shut) {
+    is_shut = shut(state);
+    if (is_shut) time_in_phase = 0.0;
+    return;
+  }
   if (!planned) {
     // A leaf that closes by itself is led back to its frame, or it would follow the hand.
     if (let_go(state, kLeadBackTime) && !start_folding(state)) process(Event::GaveUp, EndReason::Unreachable);

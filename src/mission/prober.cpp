@@ -14,6 +14,8 @@ constexpr double kReturned = 2e-3;      // [m]
 constexpr double kStill = 2e-3;         // [m/s]
 constexpr double kLongestPush = 3.0;    // over the usual time [-]
 constexpr double kSpeedFilter = 0.03;   // encoder steps between two ticks are no motion [s]
+constexpr double kSpringsBack = 3.0;    // a handle that pulls at the hand by more than noise moves it by itself [N]
+constexpr double kSettleTime = 0.3;     // three times as long as the sideways force of a push needs to go [s]
 constexpr double kTrustMotion = 0.015;  // below this the measured direction is partly elastic: mix in the axis [m]
 
 enum class Axis { Outward, Guess, Left, Right, Up, Down, Inward };
@@ -67,8 +69,9 @@ void Prober::next_push() noexcept {
   do {
     ++push_;
   } while (push_ < static_cast<int>(kPushes.size()) && axis().squaredNorm() < 0.5);  // no guess: its pushes are left out
-  returning_ = false;
+  returning_ = settling_ = false;
   time_ = blocked_ = 0.0;
+  p_pulled_ = p_last_;
   farthest_.setZero();
   motion_.setZero();
   if (push_ >= static_cast<int>(kPushes.size())) status_ = Status::Nothing;
@@ -77,7 +80,8 @@ void Prober::next_push() noexcept {
 void Prober::settle() noexcept {
   const double trust = std::clamp(motion_.norm() / kTrustMotion, 0.0, 1.0);
   direction_ = ((1.0 - trust) * axis() + trust * motion_.normalized()).normalized();
-  status_ = Status::Found;
+  settling_ = true;
+  time_ = 0.0;
 }
 
 void Prober::end_push() noexcept {
@@ -89,10 +93,23 @@ void Prober::end_push() noexcept {
   }
 }
 
+// What elasticity cannot explain of the way since the handle last moved the hand instead of the hand the handle.
+void Prober::watch(const Vector3d& hand, const Vector3d& force) noexcept {
+  if (axis().dot(force) < -kSpringsBack) {
+    p_pulled_ = hand;
+    return;
+  }
+  const Vector3d net = hand - p_pulled_ - force / config_.stiffness;
+  if (net.dot(axis()) > farthest_.dot(axis())) {
+    farthest_ = net;
+    motion_ = hand - p_pulled_ - force / config_.likely_stiffness;
+  }
+}
+
 Vector6d Prober::step(const Pose& hand, const HandWrench& wrench, double dt) noexcept {
   Vector6d twist = Vector6d::Zero();
   if (status_ != Status::Running || dt <= 0.0) return twist;
-  const Vector3d along = axis();
+  const Vector3d along = settling_ ? direction_ : axis();
   const Vector3d& f = wrench.force;
   const Vector3d moved = hand.translation() - p_start_;
   const double speed = (hand.translation() - p_last_).dot(along) / dt;
@@ -107,11 +124,11 @@ Vector6d Prober::step(const Pose& hand, const HandWrench& wrench, double dt) noe
   const double pull = along.dot(f);
   twist.head<3>() =
       config_.speed * std::clamp((force() - pull) / kForceBand, -0.5, 1.0) * along - kSideGive * (f - pull * along);
-  const Vector3d net = moved - f / config_.stiffness;  // what elasticity cannot explain
-  if (net.dot(along) > farthest_.dot(along)) {
-    farthest_ = net;
-    motion_ = moved - f / config_.likely_stiffness;
+  if (settling_) {
+    if (time_ > kSettleTime) status_ = Status::Found;
+    return twist;
   }
+  watch(hand.translation(), f);
   filtered_speed_ += std::min(1.0, dt / kSpeedFilter) * (speed - filtered_speed_);
   blocked_ = pull > force() - 0.6 * kForceBand && filtered_speed_ < kStill ? blocked_ + dt : 0.0;
   // A handle that moves may finish its way, however slowly it gives.

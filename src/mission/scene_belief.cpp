@@ -30,6 +30,7 @@ void SceneBelief::reset(const HandleBelief& belief) {
     hinge_wall_ = walls[1];
     axis_ = passage_axis(belief, *belief.passage);
   }
+  reveal_ = reveal_walls(belief);
   update(MechanismEstimate{}, belief.position, Vector3d::Zero());
 }
 
@@ -88,11 +89,14 @@ void SceneBelief::update(const MechanismEstimate& estimate, const Vector3d& hand
 void SceneBelief::place(ClearanceChecker& checker, bool hand_near) const noexcept {
   // Beside a doorway the hand has room, and none to touch the frame.
   checker.set_obstacle(kWallObstacle, wall_, hand_near && !belief_.passage);
-  if (belief_.passage) {
-    checker.set_obstacle(kHingeWallObstacle, hinge_wall_, false);
-  } else {
-    checker.clear_obstacle(kHingeWallObstacle);
+  for (int i = 0; i < 2; ++i) {
+    if (reveal_) {
+      checker.set_obstacle(kRevealObstacle + i, (*reveal_)[static_cast<std::size_t>(i)], false);
+    } else {
+      checker.clear_obstacle(kRevealObstacle + i);
+    }
   }
+  if (belief_.passage) checker.set_obstacle(kHingeWallObstacle, hinge_wall_, false);
   checker.set_obstacle(kLeafObstacle, leaf_, hand_near);
 }
 

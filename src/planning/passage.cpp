@@ -17,10 +17,17 @@ constexpr double kOpenLeaf = kLeafThickness + 0.03;
 // Nothing narrower is a doorway, no leaf is wider [m].
 constexpr double kLeastWidth = 0.3;
 constexpr double kLargestRadius = 2.0;
+// Cameras misread the normal of a leaf by less [rad].
+constexpr double kLargestMisreading = 0.21;
 // Walls: farther out than a robot reaches, as deep as an outer wall of brick [m].
 constexpr double kWallHalfWidth = 1.5;
 constexpr double kWallDepth = 0.2;
 constexpr double kWallHalfHeight = 1.5;
+// A frame that stands out by less lies within the believed wall of a shut leaf [m].
+constexpr double kFlush = 0.02;
+// A hand reaches into a reveal past edges that it sees to some millimetres: of the 3 cm that it keeps from walls these are
+// given up [m].
+constexpr double kReachIn = 0.025;
 
 Vector3d flat(const Vector3d& v) { return {v.x(), v.y(), 0.0}; }
 
@@ -83,6 +90,27 @@ Vector3d passage_direction(const HandleBelief& belief, const Passage& passage) {
   return passage_curvature(belief, passage).cross(arm).normalized();
 }
 
+// The way back to the start is turned by what the believed radius says: over some centimetres it is known well enough.
+double felt_misreading(const HandleBelief& belief, const Passage& passage, const Vector3d& direction, double arc) noexcept {
+  const double back = -arc * passage_curvature(belief, passage).z();
+  const Vector3d start = flat(Eigen::AngleAxisd(back, Vector3d::UnitZ()) * direction);
+  const Vector3d believed = passage_direction(belief, passage);
+  const double angle = std::atan2(believed.cross(start).z(), believed.dot(start));
+  return std::isfinite(angle) ? std::clamp(angle, -kLargestMisreading, kLargestMisreading) : 0.0;
+}
+
+HandleBelief turned_about_handle(const HandleBelief& belief, double angle) noexcept {
+  const Matrix3d R = Eigen::AngleAxisd(angle, Vector3d::UnitZ()).toRotationMatrix();
+  HandleBelief out = belief;
+  out.normal = R * belief.normal;
+  out.bar = R * belief.bar;
+  if (belief.doorway) {
+    out.doorway->left = belief.position + R * (belief.doorway->left - belief.position);
+    out.doorway->right = belief.position + R * (belief.doorway->right - belief.position);
+  }
+  return out;
+}
+
 double passage_width(const Passage& passage) { return flat(passage.hinge - passage.strike).norm() - kOpenLeaf; }
 
 double base_width(const RobotModel& model) {
@@ -114,6 +142,21 @@ BaseLine passage_line(const Passage& passage) {
 std::array<Box, 2> passage_walls(const Passage& passage) {
   const Vector3d e = across(passage);
   return {wall(passage, passage.strike, -e), wall(passage, passage.hinge, e)};
+}
+
+double reveal_depth(const HandleBelief& belief) noexcept {
+  if (!belief.doorway || belief.passage) return 0.0;
+  const Vector3d& edge = likely_side(belief) == HingeSide::Right ? belief.doorway->left : belief.doorway->right;
+  const double depth = flat(edge - belief.position).dot(flat(belief.normal)) + belief.standoff;
+  return depth > kFlush ? depth : 0.0;
+}
+
+std::optional<std::array<Box, 2>> reveal_walls(const HandleBelief& belief) {
+  if (!(reveal_depth(belief) > 0.0)) return std::nullopt;
+  const std::optional<Passage> seen = make_passage(belief, likely_side(belief));
+  if (!seen) return std::nullopt;
+  const Vector3d e = across(*seen);
+  return std::array<Box, 2>{wall(*seen, seen->strike - kReachIn * e, -e), wall(*seen, seen->hinge + kReachIn * e, e)};
 }
 
 Matrix3d turned_to_hinge(const Matrix3d& R, const Passage& passage, double yaw) {

@@ -16,6 +16,7 @@ namespace {
 constexpr int kWall = 0;
 constexpr int kLeaf = 1;
 constexpr int kHingeWall = 2;
+constexpr int kRevealSides[] = {2, 3};
 
 // Values above this are all good: the damping of the controller starts at 0.08.
 constexpr double kBestSigma = 0.12;
@@ -111,7 +112,7 @@ void RollOut::place_walls(const HandleBelief& belief) {
   if (!belief.passage) {
     clearance_.set_obstacle(kWall, believed_wall(belief), true);
     clearance_.clear_obstacle(kLeaf);
-    clearance_.clear_obstacle(kHingeWall);
+    for (const int side : kRevealSides) clearance_.clear_obstacle(side);  // a leaf that opens leaves them behind
     return;
   }
   const std::array<Box, 2> walls = passage_walls(*belief.passage);
@@ -123,6 +124,9 @@ void RollOut::place_walls(const HandleBelief& belief) {
 RollOutResult RollOut::look(const HandleBelief& belief, const BasePose& base, const JointVector& q) {
   RollOutResult result;
   place_walls(belief);
+  if (const std::optional<std::array<Box, 2>> sides = reveal_walls(belief)) {
+    for (std::size_t i = 0; i < 2; ++i) clearance_.set_obstacle(kRevealSides[i], (*sides)[i], false);
+  }
   model_.compute(base, q, kinematics_);
   clearance_.compute(model_, base, clearances_);
   note_clearances(result);

@@ -76,5 +76,43 @@ TEST(Prober, AGoodGuessIsTriedBeforeTheSides) {
   EXPECT_LT(with_guess, without);
 }
 
+TEST(Prober, ALeafThatSpringsBackIsNoAnswer) {
+  // Held open by 4 cm against a closer that pushes the hand out; 45 N hold it.
+  constexpr double kClosing = 45.0;
+  constexpr double kOpen = 0.04;
+  const Vector3d inward = Vector3d::UnitZ();
+  Prober prober{ProbeConfig{}};
+  Pose hand = Pose::Identity();
+  prober.start(hand, Vector3d::Zero());
+  for (double time = 0.0; prober.status() == Prober::Status::Running && time < 60.0; time += kDt) {
+    const Vector3d p = hand.translation();
+    const double along = inward.dot(p);
+    const double load = std::min(kClosing, kStiffness * (along + kOpen));
+    const HandWrench wrench{.force = kStiffness * (p - along * inward) + load * inward, .torque = Vector3d::Zero()};
+    hand.translation() += kDt * prober.step(hand, wrench, kDt).head<3>();
+  }
+  ASSERT_EQ(prober.status(), Prober::Status::Found);
+  EXPECT_GT(prober.direction().dot(inward), 0.95);
+}
+
+TEST(Prober, HandsOverWithoutTheSidewaysForceOfItsPush) {
+  const Vector3d free = Vector3d::UnitX();
+  const Vector3d guess = (free + 0.6 * Vector3d::UnitY()).normalized();
+  Handle handle{free, 28.0};
+  Prober prober{ProbeConfig{}};
+  Pose hand = Pose::Identity();
+  prober.start(hand, guess);
+  Vector3d force = Vector3d::Zero();
+  for (double time = 0.0; prober.status() == Prober::Status::Running && time < 60.0; time += kDt) {
+    force = handle.force(hand.translation());
+    hand.translation() += kDt * prober.step(hand, {.force = force, .torque = Vector3d::Zero()}, kDt).head<3>();
+  }
+  ASSERT_EQ(prober.status(), Prober::Status::Found);
+  // The true load, seen from a direction that is wrong by e, is 28 N sin(e) of it; nothing else is left.
+  const double e = std::acos(prober.direction().dot(free));
+  const Vector3d across = force - force.dot(prober.direction()) * prober.direction();
+  EXPECT_LT(across.norm(), 28.0 * std::sin(e) + 1.5);
+}
+
 }  // namespace
 }  // namespace ajar

@@ -121,5 +121,52 @@ TEST(Passage, NeedsADoorwayOfSomeWidth) {
   EXPECT_FALSE(make_passage(belief, HingeSide::Left).has_value());
 }
 
+TEST(Passage, ALeafBehindItsFrameLiesInAReveal) {
+  constexpr double kDepth = 0.1;
+  constexpr double kGivenUp = 0.025;  // of the clearance beside a reaching hand
+  for (const Door& door : kDoors) {
+    if (door.angle > 0.0) continue;
+    const Matrix3d R = exp_so3(Vector3d(0.0, 0.0, door.yaw));
+    HandleBelief belief = belief_of(door);
+    EXPECT_EQ(reveal_depth(belief), 0.0);
+    EXPECT_FALSE(reveal_walls(belief));
+    const Vector3d forward = kDepth * belief.normal;
+    belief.doorway = Doorway{belief.doorway->left + forward, belief.doorway->right + forward};
+    EXPECT_NEAR(reveal_depth(belief), kDepth, 1e-12);
+    const auto walls = reveal_walls(belief);
+    ASSERT_TRUE(walls);
+    const double edges[] = {-0.09, kRadius + 0.015};  // strike, hinge
+    for (std::size_t i = 0; i < 2; ++i) {
+      const Box& wall = (*walls)[i];
+      const Vector3d centre = R.transpose() * wall.pose.translation();
+      EXPECT_NEAR(centre.y() - wall.half_extents.y(), -kDepth, 1e-12);
+      const double outward = i == 0 ? -door.side : door.side;
+      EXPECT_NEAR(centre.x() - outward * wall.half_extents.x(), door.side * edges[i] + outward * kGivenUp, 1e-12);
+    }
+    belief.passage = passage_of(door);
+    EXPECT_EQ(reveal_depth(belief), 0.0);
+  }
+}
+
+TEST(Passage, TheFirstCentimetresTellWhatTheCameraMisread) {
+  constexpr double kArc = 0.06;
+  for (const Door& door : kDoors) {
+    for (const double error : {-0.15, 0.0, 0.08}) {
+      const HandleBelief seen = turned_about_handle(belief_of(door), error);
+      const Passage passage = *make_passage(seen, door.side > 0.0 ? HingeSide::Right : HingeSide::Left);
+      HandleBelief truth = belief_of(door);
+      truth.passage = passage_of(door);
+      const MechanismHypothesis h = make_hypotheses(truth, {}).front();
+      const HypothesisPoint after = point_at(h, kArc);
+      EXPECT_NEAR(felt_misreading(seen, passage, after.direction, kArc), -error, 1e-9);
+      // A chord points as the path does at its middle.
+      EXPECT_NEAR(felt_misreading(seen, passage, after.shift, 0.5 * kArc), -error, 1e-9);
+      const HandleBelief corrected = turned_about_handle(seen, -error);
+      EXPECT_LT((corrected.doorway->left - truth.doorway->left).norm(), 1e-12);
+      EXPECT_LT((corrected.normal - truth.normal).norm(), 1e-12);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace ajar

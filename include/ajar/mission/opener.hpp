@@ -15,8 +15,9 @@ class Opener {
   Opener(const RobotModel& model, const MissionConfig& config);
 
   /// Starts at the grasp. @param direction  Believed direction of opening, unit, odometry frame
-  void start(const RobotState& state, const Kinematics& kinematics, const HandleBelief& belief,
-             const Vector3d& direction) noexcept;
+  /// @param force  Pull that the first centimetres may take where that is known already, else 0 [N]
+  void start(const RobotState& state, const Kinematics& kinematics, const HandleBelief& belief, const Vector3d& direction,
+             double force = 0.0) noexcept;
 
   /// Goes on after probing with the direction that it found; wall and base offset stay.
   /// @param force  Pull that the first centimetres may take: what probing needed, 0 = the start force [N]

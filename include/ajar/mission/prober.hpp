@@ -46,6 +46,7 @@ class Prober {
   void end_push() noexcept;
   void next_push() noexcept;
   void settle() noexcept;
+  void watch(const Vector3d& hand, const Vector3d& force) noexcept;
   [[nodiscard]] Vector3d axis() const noexcept;
 
   ProbeConfig config_;
@@ -53,6 +54,7 @@ class Prober {
   Matrix3d R_start_ = Matrix3d::Identity();
   Vector3d p_start_ = Vector3d::Zero();
   Vector3d p_last_ = Vector3d::Zero();
+  Vector3d p_pulled_ = Vector3d::Zero();  // hand where its own pull began
   Vector3d farthest_ = Vector3d::Zero();
   Vector3d direction_ = Vector3d::Zero();
   Vector3d motion_ = Vector3d::Zero();
@@ -62,6 +64,7 @@ class Prober {
   Vector3d guess_ = Vector3d::Zero();
   int push_ = 0;
   bool returning_ = false;
+  bool settling_ = false;  // found; the sideways force of the push is let go before anything else
 };
 
 }  // namespace ajar

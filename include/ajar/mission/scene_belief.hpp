@@ -1,5 +1,8 @@
 #pragma once
 
+#include <array>
+#include <optional>
+
 #include "ajar/estimation/mechanism_estimate.hpp"
 #include "ajar/model/clearance.hpp"
 #include "ajar/planning/grasp_planner.hpp"
@@ -10,6 +13,7 @@ namespace ajar {
 inline constexpr int kWallObstacle = 0;
 inline constexpr int kLeafObstacle = 1;
 inline constexpr int kHingeWallObstacle = 2;  ///< Of a doorway; kWallObstacle is then its other side
+inline constexpr int kRevealObstacle = 2;     ///< And the next: frame left and right of a leaf that lies behind it
 
 /// Where wall and leaf are, as far as sight and touch tell. (docs/equations.md#scene-belief)
 class SceneBelief {
@@ -40,6 +44,7 @@ class SceneBelief {
   HandleBelief belief_;  // its normal is horizontal and refined by touch
   Box wall_;
   Box hinge_wall_;
+  std::optional<std::array<Box, 2>> reveal_;
   Vector3d axis_ = Vector3d::Zero();  // of the leaf in a doorway, until its own is felt
   Box leaf_;
 };

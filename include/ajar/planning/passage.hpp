@@ -27,6 +27,16 @@ enum class HingeSide { Left, Right };
 /// Direction in which the grip starts to move, unit.
 [[nodiscard]] Vector3d passage_direction(const HandleBelief& belief, const Passage& passage);
 
+/// What the camera misread about the vertical, as touch tells: the angle from the direction in which the grip should start
+/// to move to the one in which it did. (docs/equations.md#passage)
+/// @param direction  Felt after `arc`, unit  @param arc  [m]
+/// @return at most what a camera can err, ±12° [rad]
+[[nodiscard]] double felt_misreading(const HandleBelief& belief, const Passage& passage, const Vector3d& direction,
+                                     double arc) noexcept;
+
+/// What is seen, turned about the handle and the vertical: handle, bar and doorway. @param angle  [rad]
+[[nodiscard]] HandleBelief turned_about_handle(const HandleBelief& belief, double angle) noexcept;
+
 /// Way of the base: straight, in the middle of what the open leaf leaves free.
 [[nodiscard]] BaseLine passage_line(const Passage& passage);
 
@@ -41,6 +51,15 @@ enum class HingeSide { Left, Right };
 
 /// Walls on both sides of the doorway: where the leaf shuts, where it is hinged.
 [[nodiscard]] std::array<Box, 2> passage_walls(const Passage& passage);
+
+/// How far the frame beside the handle stands before the leaf's face: the depth of the reveal. 0 without a seen doorway
+/// and for a leaf that is flush with its frame or stands before it. [m]
+[[nodiscard]] double reveal_depth(const HandleBelief& belief) noexcept;
+
+/// Frame and wall to the left and the right of a leaf that lies behind them, for a hand that reaches between them.
+/// (docs/equations.md#passage)
+/// @return nothing where the frame does not stand out before the believed wall
+[[nodiscard]] std::optional<std::array<Box, 2>> reveal_walls(const HandleBelief& belief);
 
 /// Turns a hand that meets the leaf along its normal towards the hinge, so that it does not meet the frame when the leaf
 /// takes it along. @param yaw  [rad]

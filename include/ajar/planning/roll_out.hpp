@@ -32,7 +32,8 @@ class RollOut {
   [[nodiscard]] RollOutResult run(const HandleBelief& belief, const MechanismHypothesis& hypothesis, const BasePose& base,
                                   const JointVector& q, double enough);
 
-  /// Distances of one posture to itself and to the believed wall; `own`, `arm` and `base` are filled.
+  /// Distances of one posture to itself, to the believed wall and to the sides of a reveal; `own`, `arm` and `base` are
+  /// filled.
   [[nodiscard]] RollOutResult look(const HandleBelief& belief, const BasePose& base, const JointVector& q);
 
   [[nodiscard]] const Kinematics& kinematics() const noexcept { return kinematics_; }

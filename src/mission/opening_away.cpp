@@ -1,0 +1,45 @@
+#include <cmath>
+
+#include "mission_impl.hpp"
+
+namespace ajar {
+namespace {
+
+constexpr double kAwayArc = 0.04;     // a direction this far travelled is felt, not guessed [m]
+constexpr double kAwayCosine = -0.5;  // more into the wall than along it
+constexpr double kFeelArc = 0.14;     // travel after which the hinge's side is felt, whatever it looked like [m]
+constexpr double kSideSigmas = 3.0;   // curvature over its deviation that tells the side
+
+}  // namespace
+
+// The sights so far, less what touch has shown the camera to misread.
+HandleBelief Mission::Impl::seen() const noexcept { return turned_about_handle(sights.belief(), misreading); }
+
+// A leaf that gives away from the robot: where a doorway is seen it is pushed, once the side of its hinge is felt.
+bool Mission::Impl::found_to_open_away(EndDetector::Verdict verdict) noexcept {
+  const MechanismEstimate& e = record.estimate;
+  // What the leaf has moved altogether counts as well: probing and starting anew begin the estimate anew.
+  const Vector3d moved = record.kinematics.X_WE.translation() - taken_at.translation();
+  const bool felt = e.fitted && e.arc > kAwayArc;
+  const bool away = felt ? e.direction.dot(handle.normal) < kAwayCosine : moved.dot(handle.normal) < -kAwayArc;
+  if (!away || handle.passage) return false;
+  if (!handle.doorway) {
+    process(Event::Ended, EndReason::OpensAway);
+    return true;
+  }
+  const HingeSide turns = e.curvature.z() < 0.0 ? HingeSide::Right : HingeSide::Left;
+  const HingeSide side = felt ? turns : likely_side(handle);
+  const bool sure = felt && std::abs(e.curvature.z()) > kSideSigmas * e.curvature_sigma && side == likely_side(handle);
+  if (!sure && e.arc < kFeelArc && verdict == EndDetector::Verdict::Going) return false;
+  felt_side = side;
+  if (const std::optional<Passage> passage = make_passage(handle, side)) {
+    // A chord points as the path does at its middle.
+    misreading = felt ? felt_misreading(handle, *passage, e.direction, e.arc)
+                      : felt_misreading(handle, *passage, moved, 0.5 * moved.norm());
+  }
+  probes = 0;
+  process(Event::Rechoose);
+  return true;
+}
+
+}  // namespace ajar
