@@ -178,7 +178,7 @@ void MechanismEstimator::Impl::follow_law(const EstimatorInput& input, double di
 void MechanismEstimator::Impl::follow(const EstimatorInput& input, const Vector3d& point, bool moving) {
   if (!estimate.fitted) {
     if (moving) {
-      follow_law(input, 1.0, 1.0);
+      follow_law(input, 1.0, 0.0);
     } else {
       law.x = turn_from_reaction(law.x, input.force, config.stuck_turn_rate, input.dt);
     }

@@ -6,7 +6,7 @@ namespace ajar {
 namespace {
 
 constexpr double kSpeedFilter = 0.1;   // low-pass of the measured speed [s]
-constexpr double kDriftFilter = 2.0;   // the same of its slow part: a hand that swings on a stop gets nowhere [s]
+constexpr double kDriftFilter = 1.0;   // the same of the slow parts: a hand that swings on a stop gets nowhere [s]
 constexpr double kHeldFactor = 0.1;    // the controller lets nearly nothing of the wanted motion through
 constexpr double kPullingShare = 0.6;  // of the allowed force; the speed law fades out over the rest
 constexpr double kWantsOn = 0.5;       // speed factor above which the hand does as the speed law wants
@@ -17,18 +17,21 @@ constexpr double kLargestDoubt = 0.1;  // an angle less certain than this does n
 EndDetector::EndDetector(const EndConfig& config, const GoalConfig& goal, double force_limit)
     : config_(config), goal_(goal), force_limit_(force_limit) {}
 
-void EndDetector::reset() noexcept { speed_ = drift_ = still_ = held_ = pressed_ = leaning_ = 0.0; }
+void EndDetector::reset() noexcept { speed_ = drift_ = force_ = still_ = held_ = pressed_ = leaning_ = 0.0; }
 
 void EndDetector::watch(const EndInput& in) noexcept {
   speed_ += std::min(1.0, in.dt / kSpeedFilter) * (in.speed - speed_);
   drift_ += std::min(1.0, in.dt / kDriftFilter) * (in.speed - drift_);
+  force_ += std::min(1.0, in.dt / kDriftFilter) * (in.pull_force - force_);
   still_ = speed_ < config_.still_speed ? still_ + in.dt : 0.0;
   held_ = in.speed_factor < kHeldFactor ? held_ + in.dt : 0.0;
   // A stop is met by a hand that wants on: a hand that the controller holds back must lean on it for longer, or the jerk
   // of being held back would count; so must one that swings on the spring of its grasp.
-  const bool risen = in.pull_force > in.running_force + config_.stop_force;
-  leaning_ = risen && drift_ < config_.still_speed ? leaning_ + in.dt : 0.0;
-  pressed_ = risen && still_ > 0.0 && in.speed_factor > kWantsOn ? pressed_ + in.dt : 0.0;
+  const double risen_force = in.running_force + config_.stop_force;
+  leaning_ = force_ > risen_force && drift_ < config_.still_speed ? leaning_ + in.dt : 0.0;
+  // Where force and give balance, next to nothing is wanted and its share says nothing.
+  const bool wants_on = in.speed_factor > kWantsOn || std::abs(in.wanted_speed) < config_.still_speed;
+  pressed_ = in.pull_force > risen_force && still_ > 0.0 && wants_on ? pressed_ + in.dt : 0.0;
 }
 
 EndDetector::Verdict EndDetector::step(const EndInput& in, const MechanismEstimate& estimate) noexcept {

@@ -17,8 +17,10 @@ constexpr double kArcBegin = 0.015;  // [m]
 constexpr double kArcFull = 0.06;    // [m]
 // Where an unknown end stop may come, the hand is slow: the blow grows with speed. (#speed-law)
 constexpr double kStopPossibleAngle = 1.36;  // first end stops of hinged doors: 80 degrees, less 2 [rad]
-constexpr double kStopPossibleArc = 0.28;    // shortest drawers: 0.3 m, less what the slow-down lags [m]
-constexpr double kSlowSpeed = 0.10;          // [m/s]
+constexpr double kStopPossibleArc = 0.25;    // shortest drawers: 0.3 m, less what the slow-down lags [m]
+constexpr double kBlow = 34.0;               // what the stop's blow K v T may add [N]
+constexpr double kBlowStiffness = 1.5e4;     // K: a stiff grasp [N/m]
+constexpr double kArmReaction = 0.025;       // T without dead time: the force rises, the joints brake [s]
 constexpr double kLeastCurvature = 0.2;      // a hinge of more than 5 m radius is driven as a slide [1/m]
 // A flap's hand must not follow the leaf all the way round: it would end up under the bar.
 constexpr double kFlapTurn = 0.6;       // [rad]
@@ -40,7 +42,9 @@ Opener::Opener(const RobotModel& model, const MissionConfig& config)
       force_law_(config.force, config.period, config.dead_time),
       speed_law_(config.force, config.period, config.dead_time),
       base_law_(config.base_law),
-      ends_(EndConfig{}, config.goal, config.limits.force) {
+      ends_(EndConfig{}, config.goal, config.limits.force),
+      slow_speed_(
+          std::max(config.force.speed_start, kBlow / (kBlowStiffness * (config.period + config.dead_time + kArmReaction)))) {
   if (config.controller == "thesis") thesis_.emplace(model, config.thesis, config.wbc, config.period);
 }
 
@@ -78,7 +82,7 @@ double Opener::speed_cap(const MechanismEstimate& estimate) const noexcept {
   const double kappa = estimate.curvature.norm();
   const bool hinge = estimate.type == MechanismType::Hinge && kappa > kLeastCurvature;
   const double left = hinge ? (kStopPossibleAngle - opened_ - estimate.angle) / kappa : kStopPossibleArc - estimate.arc;
-  return std::sqrt(kSlowSpeed * kSlowSpeed + 2.0 * config_.force.deceleration * std::max(0.0, left));
+  return std::sqrt(slow_speed_ * slow_speed_ + 2.0 * config_.force.deceleration * std::max(0.0, left));
 }
 
 double Opener::force_cap(const MechanismEstimate& estimate) const noexcept {

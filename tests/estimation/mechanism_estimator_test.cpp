@@ -157,6 +157,23 @@ TEST(MechanismEstimator, TurnsTheGuessOfAStuckHandleAwayFromTheReaction) {
   EXPECT_FALSE(estimator.estimate().fitted);
 }
 
+TEST(MechanismEstimator, TurningAWrongGuessIsNotTakenForCurvature) {
+  Random rng(23);
+  Pull pull;
+  pull.guess_error = 50.0 * kDegree;
+  PulledHandle handle(pull, EstimatorConfig(), rng);
+  const double before = handle.direction_error();
+  double after = before;
+  for (int i = 0; i < 10000 && !handle.estimator.estimate().fitted; ++i) {
+    ASSERT_NE(handle.step(), EstimatorStatus::Invalid);
+    if (handle.estimator.estimate().fitted) break;
+    after = handle.direction_error();
+    EXPECT_EQ(handle.estimator.estimate().curvature.norm(), 0.0);
+  }
+  EXPECT_TRUE(handle.estimator.estimate().fitted);
+  EXPECT_LT(after, 0.5 * before);
+}
+
 TEST(MechanismEstimator, DirectionKeepsTheSideOfTheGuess) {
   // A guess 140° off is 40° off the opposite direction: the same motion, described with x, k and arc of the other sign.
   EstimatorConfig config;

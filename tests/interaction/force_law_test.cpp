@@ -240,9 +240,9 @@ TEST(SpeedLaw, GivesWayAboveTheRunningForce) {
     speed = law.step(input);
   }
   EXPECT_NEAR(law.running_force(), 5.0, 1e-6);
-  input.pull_force = 24.9;
+  input.pull_force = 5.0 + config.give_margin - 0.1;
   EXPECT_NEAR(law.step(input), config.speed, 1e-3);
-  input.pull_force = 30.0;  // 5 N above 5 + 20 (less what the filter of 1 s follows in two ticks)
+  input.pull_force += 5.1;  // 5 N above the margin (less what the filter of 1 s follows in two ticks)
   EXPECT_NEAR(law.step(input), config.speed - config.give_gain * 5.0, 6e-4);
 }
 

@@ -39,10 +39,31 @@ TEST(EndDetector, FeelsAStopWhenForceRisesOverTheRunningForce) {
 
 TEST(EndDetector, AHandThatIsHeldBackMustLeanOnAStopForLonger) {
   EndDetector ends(EndConfig{}, GoalConfig{.to_the_stop = true}, 45.0);
-  const EndInput leaning{.speed = 0.0, .pull_force = 25.0, .running_force = 5.0, .speed_factor = 0.2};
+  const EndInput leaning{.speed = 0.0, .wanted_speed = 0.05, .pull_force = 25.0, .running_force = 5.0, .speed_factor = 0.2};
   const auto [verdict, time] = hold(ends, leaning, travelled(0.3), 5.0);
   EXPECT_EQ(verdict, Verdict::Stop);
-  EXPECT_NEAR(time, EndConfig{}.leaning_time, 0.01);
+  EXPECT_NEAR(time, EndConfig{}.leaning_time + 1.1, 0.2);  // 12 of 20 N risen: ln(25/8) of the 1 s mean
+}
+
+TEST(EndDetector, AShareOfNextToNothingIsNotBeingHeldBack) {
+  EndDetector ends(EndConfig{}, GoalConfig{.to_the_stop = true}, 45.0);
+  const EndInput balanced{
+      .speed = 0.0, .wanted_speed = -0.002, .pull_force = 25.0, .running_force = 5.0, .speed_factor = 0.2};
+  const auto [verdict, time] = hold(ends, balanced, travelled(0.3), 5.0);
+  EXPECT_EQ(verdict, Verdict::Stop);
+  EXPECT_NEAR(time, EndConfig{}.stop_time, 0.01);
+}
+
+TEST(EndDetector, AHandThatCameFastIsFeltToLeanBeforeItCountsAsStalled) {
+  EndDetector ends(EndConfig{}, GoalConfig{.to_the_stop = true}, 45.0);
+  EndInput in{.speed = 0.3, .wanted_speed = 0.3, .running_force = 5.0};
+  for (double t = 0.0; t < 5.0; t += in.dt) {
+    ASSERT_EQ(ends.step(in, travelled(0.3)), Verdict::Going);
+  }
+  in.speed = 0.0;
+  in.pull_force = 25.0;
+  in.speed_factor = 0.2;
+  EXPECT_EQ(hold(ends, in, travelled(0.3), 10.0).first, Verdict::Stop);
 }
 
 TEST(EndDetector, AHandThatSwingsOnAStopFeelsIt) {
@@ -55,7 +76,7 @@ TEST(EndDetector, AHandThatSwingsOnAStopFeelsIt) {
     verdict = ends.step(in, travelled(0.3));
   }
   EXPECT_EQ(verdict, Verdict::Stop);
-  EXPECT_NEAR(time, EndConfig{}.leaning_time, 0.5);
+  EXPECT_NEAR(time, EndConfig{}.leaning_time + 1.1, 0.5);
 }
 
 TEST(EndDetector, DoesNotTakeAHeavyCloserForAStop) {

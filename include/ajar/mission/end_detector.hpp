@@ -52,6 +52,7 @@ class EndDetector {
   double force_limit_;
   double speed_ = 0.0;
   double drift_ = 0.0;
+  double force_ = 0.0;
   double still_ = 0.0;
   double held_ = 0.0;
   double pressed_ = 0.0;

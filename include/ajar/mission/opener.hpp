@@ -61,6 +61,7 @@ class Opener {
   BaseLaw base_law_;
   std::optional<ThesisController> thesis_;  // instead of the QP; the base law is then only recorded
   EndDetector ends_;
+  double slow_speed_;  // where an end stop is possible [m/s]
   SceneBelief scene_;
   ClearanceResult clearances_;
   Matrix3d R_grasp_ = Matrix3d::Identity();

@@ -46,7 +46,7 @@ struct PlannerConfig {
   int roll_outs = 150;                              ///< Candidates rolled out
   int kept = 6;                                     ///< Candidates handed over, and checked with disturbed placements
   double step = 0.1;                                ///< Time step of a roll-out [s]
-  double speed = 0.25;                              ///< Cruise of a roll-out along the mechanism [m/s]
+  double speed = 0.30;                              ///< Cruise of a roll-out along the mechanism [m/s]
   double least_sigma = 0.09;                        ///< Of a candidate at the grasp [-]
   double own_clearance = 0.025;                     ///< Of a candidate at the grasp [m]
   double wall_clearance = 0.07;                     ///< Of the base where it stands, to the believed wall [m]

@@ -10,7 +10,7 @@ namespace ajar {
 
 struct BaseLawConfig {
   std::string kind = "corotating";     ///< corotating | distance (the thesis's distance and heading) | line
-  double gain_along = 0.5;             ///< k_x [1/s]
+  double gain_along = 1.0;             ///< k_x [1/s]
   double gain_across = 5.0;            ///< k_y [1/m²]
   double gain_heading = 0.8;           ///< k_θ [1/s]
   double full_curvature = 1.8;         ///< κ up to which the base follows the whole turning [1/m]
