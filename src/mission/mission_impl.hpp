@@ -102,6 +102,8 @@ struct Mission::Impl {
   BasePose odometry_origin;  // of the odometry frame in the frame of the first sight: removes the drift of the drive
   std::vector<GraspCandidate> candidates;
   std::size_t candidate = 0;
+  int tried = 0;            // base poses since the choice
+  bool drawn_anew = false;  // the list was used up and drawn once more
   GraspCandidate chosen;
   Vector3d direction = Vector3d::UnitX();
 

@@ -45,6 +45,7 @@ constexpr double kRetreatWay = 0.3;      // [m]
 constexpr double kRetreatSpeed = 0.15;   // [m/s]
 constexpr double kRetreatGap = 0.06;     // nearer than this to wall or leaf the base stays [m]
 constexpr double kRetreatTime = 5.0;     // [s]
+constexpr std::uint64_t kSecondDraw = 1000;  // added to the seed of the choice: another draw than any posture search had
 
 }  // namespace
 
@@ -73,6 +74,8 @@ void Mission::Impl::choose(const RobotState& state) {
     return;
   }
   candidate = 0;
+  tried = 0;
+  drawn_anew = false;
   process(Event::Chosen);
 }
 
@@ -98,12 +101,18 @@ void Mission::Impl::approach(const RobotState& state) {
 }
 
 void Mission::Impl::next_candidate(const RobotState&) {
-  if (++candidate < candidates.size()) {
-    process(Event::NextPose);
-  } else {
-    if (detail.empty()) detail = fmt::format("no posture is good enough from any of {} base poses", candidates.size());
-    process(Event::GaveUp, EndReason::Unreachable);
+  ++tried;
+  if (++candidate >= candidates.size() && !drawn_anew) {
+    drawn_anew = true;  // other postures, for the handle as it is known from near
+    candidates = planner.choose(handle, seed + kSecondDraw, nullptr);
+    candidate = 0;
   }
+  if (candidate < candidates.size()) {
+    process(Event::NextPose);
+    return;
+  }
+  if (detail.empty()) detail = fmt::format("no posture is good enough from any of {} base poses", tried);
+  process(Event::GaveUp, EndReason::Unreachable);
 }
 
 void Mission::Impl::start_reach(const RobotState& state) {
