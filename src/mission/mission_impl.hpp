@@ -120,7 +120,7 @@ struct Mission::Impl {
   std::optional<HingeSide> felt_side;  // of a leaf that opens away
   double misreading = 0.0;             // of the camera about the vertical, as felt [rad]
   std::optional<FeltMechanism> felt;   // that the handle is taken anew for
-  bool judged = false;                 // the grasp was judged by what was felt
+  int judgements = 0;                  // of the grasp, by what was felt
   bool led_back = false;
   ClearanceRow fence;  // the nearest pair when a clearance stopped it
   double blocked_time = 0.0;

@@ -33,11 +33,11 @@ constexpr double kKnownArc = 0.10;        // [m]
 constexpr double kKnownDirection = 0.06;  // [rad]
 constexpr double kKnownCurvature = 0.25;  // of the curvature, or of 1/m
 // The way back: as fast as a hand that cannot be surprised, against half the pull that opening may use.
-constexpr double kBackSpeed = 0.10;       // [m/s]
-constexpr double kBackForce = 30.0;       // [N]
-constexpr double kBackAtStart = 0.05;     // the rest of the way is as good as straight [m]
-constexpr double kBackStillSpeed = 0.006; // the closed stop is met a little before or behind [m/s]
-constexpr double kBackStillTime = 1.5;    // [s]
+constexpr double kBackSpeed = 0.10;        // [m/s]
+constexpr double kBackForce = 30.0;        // [N]
+constexpr double kBackAtStart = 0.05;      // the rest of the way is as good as straight [m]
+constexpr double kBackStillSpeed = 0.006;  // the closed stop is met a little before or behind [m/s]
+constexpr double kBackStillTime = 1.5;     // [s]
 
 // Rotation vector of the leaf since the grasp, as the estimate has it now: errors of the first centimetres do not stay in
 // it.
@@ -268,7 +268,8 @@ std::optional<FeltMechanism> Opener::felt() const noexcept {
                      estimate.curvature_sigma < kKnownCurvature * std::max(1.0, kappa);
   if (!known || thesis_) return std::nullopt;
   const MechanismEstimate closed = estimate_at(taken_at_);
-  const bool hinge = estimate.type == MechanismType::Hinge && kappa > kLeastCurvature;
+  const bool hinge = estimate.type == MechanismType::Hinge;
+  if (hinge && kappa < config_.estimator.hinge_curvature) return std::nullopt;  // flatter than any: not yet learnt
   return FeltMechanism{.direction = closed.direction,
                        .curvature = hinge ? closed.curvature : Vector3d(Vector3d::Zero()),
                        .bar_turns = !estimate.rigid_grasp};

@@ -9,10 +9,14 @@ namespace {
 
 // A roll-out worth less falls short of the end: a tenth of the travel, or an arm without any manoeuvring room.
 constexpr double kWorthHolding = -0.01;
-constexpr double kBackTime = 40.0;  // a metre at 10 cm/s, waiting for the base as long again and more [s]
+// Judged so often while the estimate still grows; once good is good.
+constexpr int kJudgements = 3;
+constexpr double kFirstJudgement = 0.15;  // of arc [m]
+constexpr double kJudgementStep = 0.025;  // [m]
+constexpr double kBackTime = 40.0;        // a metre at 10 cm/s, waiting for the base as long again and more [s]
 
 // The hand leaves in the first direction that keeps this from the leaf, from where the fingers are off the bar on.
-constexpr double kFreeWay = 0.03;                        // the stop distance of the arm's rows [m]
+constexpr double kFreeWay = 0.03;                      // the stop distance of the arm's rows [m]
 constexpr std::array kWayPoints = {0.05, 0.08, 0.12};  // [m]
 
 }  // namespace
@@ -47,17 +51,20 @@ Opener::Tick Mission::Impl::tick(const RobotState& state) noexcept {
 
 // The grasp was chosen for all that might have been behind the handle. Once the way is known it is judged by that alone,
 // when it is first known and again when it stands still short of its end; and taken anew once if it falls short.
+// (docs/equations.md#regrasp)
 bool Mission::Impl::better_held_otherwise(EndDetector::Verdict verdict) noexcept {
   const bool stands = verdict == EndDetector::Verdict::ClearanceStop || verdict == EndDetector::Verdict::Stalled;
-  const bool first = !judged && verdict == EndDetector::Verdict::Going;
-  if (felt || handle.passage || !(stands || first)) return false;
+  const double due = kFirstJudgement + judgements * kJudgementStep;
+  const bool judge = verdict == EndDetector::Verdict::Going && judgements < kJudgements && record.estimate.arc > due;
+  if (felt || handle.passage || !(stands || judge)) return false;
   const std::optional<FeltMechanism> mechanism = opener.felt();
   if (!mechanism) return false;
-  judged = true;
-  if (!stands) {
+  if (judge) {
     HandleBelief known = handle;
     known.felt = mechanism;
-    if (planner.value_for_felt(known, chosen) >= kWorthHolding) return false;
+    const bool good = planner.value_for_felt(known, chosen) >= kWorthHolding;
+    judgements = good ? kJudgements : judgements + 1;
+    if (good || judgements < kJudgements) return false;
   }
   felt = mechanism;
   process(Event::Rechoose);

@@ -91,11 +91,11 @@ class Opener {
   Vector3d bar_in_hand_ = Vector3d::Zero();
   double base_lag_ = 0.0;
   Vector3d taken_at_ = Vector3d::Zero();  // where the hand took hold [m]
-  FeltMechanism felt_;       // what was known of the mechanism then
-  double back_still_ = 0.0;  // standing on the way back [s]
-  bool straight_ = false;    // the base keeps to a line
-  bool held_fast_ = false;   // the grip resisted a turn about the bar
-  double opened_ = 0.0;    // how far the leaf stood open when it was taken hold of
+  FeltMechanism felt_;                    // what was known of the mechanism then
+  double back_still_ = 0.0;               // standing on the way back [s]
+  bool straight_ = false;                 // the base keeps to a line
+  bool held_fast_ = false;                // the grip resisted a turn about the bar
+  double opened_ = 0.0;                   // how far the leaf stood open when it was taken hold of
   double start_force_ = 0.0;
 };
 
