@@ -290,8 +290,8 @@ bool Mission::Impl::let_go(const RobotState& state, double give_time) noexcept {
     if (given_until > 0.0) clear_pose.translation() += kWithdraw * way_out(state);
     return false;
   }
-  const double left =
-      move_hand(state, clear_pose, kHandSpeed, false);  // an arm that has no room left draws back with the base
+  // An arm that has no room left draws back with the base.
+  const double left = move_hand(state, clear_pose, kHandSpeed, false);
   return left < 5.0 * kAtHandle || time_in_phase > kAdvanceTime + given_until;
 }
 
