@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <map>
@@ -17,7 +18,10 @@ namespace fs = std::filesystem;
 
 constexpr double kHuber = 2e-3;        // of the robust reference [m]
 constexpr double kStraightRms = 2e-3;  // unlabelled tracks with less about a line are drawers [m]
-constexpr double kReached = 0.98;      // of the farthest point: the opening is over
+constexpr int kTwins = 8;              // of each recording
+constexpr std::uint64_t kTwinSeed = 9007;
+constexpr double kApart = 4e-3;    // [m]
+constexpr double kReached = 0.98;  // of the farthest point: the opening is over
 
 // By the folder's name; the kitchen's are not labelled by their source.
 MechanismType label_of(const std::string& folder, const std::vector<Vector3d>& points) {
@@ -60,6 +64,51 @@ Track first_part(const Track& track, double share) {
   return part;
 }
 
+// The same samples as a recording on the exact path that was identified, with the noise that was learnt from it.
+std::vector<Vector3d> twin_of(const Identification& found, Random& rng) {
+  std::vector<Vector3d> points;
+  Vector3d wave = rng.normal3(found.noise.position_correlated);
+  double last = 0.0;
+  for (std::size_t i = 0; i < found.arc.size(); ++i) {
+    if (!found.inlier[i]) continue;
+    const double kept = std::exp(-std::abs(found.arc[i] - last) / found.noise.correlation_length);
+    wave = kept * wave + rng.normal3(std::sqrt(1.0 - kept * kept) * found.noise.position_correlated);
+    last = found.arc[i];
+    points.push_back(found.at(found.arc[i]) + wave + rng.normal3(found.noise.position_white));
+  }
+  return points;
+}
+
+/// What a comparison with a robust fit can tell at all.
+struct Twins {
+  std::vector<double> ours, reference;  // from the exact curvature, relative [%]
+  std::vector<double> thinned;          // the reference of each recording from samples apart, against that from all [%]
+
+  void add(const Identification& found, const std::vector<Vector3d>& points, double reference_curvature, Random& rng) {
+    const double truth = found.curvature.norm();
+    for (int run = 0; run < kTwins; ++run) {
+      Track track;
+      const std::vector<Vector3d> twin = twin_of(found, rng);
+      for (const Vector3d& p : twin) track.samples.push_back({.position = p});
+      ours.push_back(100.0 * std::abs(identify(track).curvature.norm() - truth) / truth);
+      reference.push_back(100.0 * std::abs(fit_circle_geometric(twin, kHuber).curvature.norm() - truth) / truth);
+    }
+    std::vector<Vector3d> apart;
+    for (const Vector3d& p : points) {
+      if (apart.empty() || (p - apart.back()).norm() > kApart) apart.push_back(p);
+    }
+    const double other = fit_circle_geometric(apart, kHuber).curvature.norm();
+    thinned.push_back(100.0 * std::abs(other - reference_curvature) / reference_curvature);
+  }
+  void report(Table& table) const {
+    const char* const name = "twins of the recordings, exact circles: curvature from the truth, median";
+    table.push_back({name, "ajar", quantile(ours, 0.5), "%", ""});
+    table.push_back({name, "robust fit", quantile(reference, 0.5), "%", ""});
+    table.push_back({"recordings: curvature with samples 4 mm apart against all, median", "robust fit",
+                     quantile(thinned, 0.5), "%", ""});
+  }
+};
+
 }  // namespace
 
 void judge_recordings(Table& table) {
@@ -74,6 +123,8 @@ void judge_recordings(Table& table) {
     if (entry.path().extension() == ".log") files.push_back(entry.path());
   }
   std::sort(files.begin(), files.end());
+  Twins twins;
+  Random rng(kTwinSeed);
   for (const bool learnt : {true, false}) {
     Score half, full;
     for (const fs::path& file : files) {
@@ -87,7 +138,9 @@ void judge_recordings(Table& table) {
       IdentifyConfig config;
       if (!learnt) config.sensor = folder == "kitchen" ? SensorKind::MotionCapture : SensorKind::Vision;
       half.add(identify(first_part(track, 0.5), config), truth, reference, hook);
-      full.add(identify(track, config), truth, reference, hook);
+      const Identification found = identify(track, config);
+      full.add(found, truth, reference, hook);
+      if (learnt && truth == MechanismType::Hinge && !hook) twins.add(found, points, reference, rng);
     }
     const std::string name = learnt ? "recordings, noise learnt" : "recordings, sensor stated";
     const std::string of_all = fmt::format("of {}", files.size());
@@ -105,6 +158,7 @@ void judge_recordings(Table& table) {
     table.push_back({name + ", half travel: within 2 sigma", "ajar", coverage[0], "-", ">= 0.9", coverage[0] >= 0.9});
     table.push_back({name + ", full travel: within 2 sigma", "ajar", coverage[1], "-", ">= 0.9", coverage[1] >= 0.9});
   }
+  twins.report(table);
   int wrong = 0;
   for (const fs::path& file : files) {
     const Track track = load_track(file.string());

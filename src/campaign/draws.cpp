@@ -18,7 +18,7 @@ struct Generator {
 
 /// The generators that a campaign may name.
 constexpr Generator kGenerators[] = {
-    {"pull", sample_pull}, {"push", sample_push}, {"sliding", sample_sliding}, {"oven", sample_oven}};
+    {"pull", sample_pull}, {"push", sample_push}, {"sliding", sample_sliding}, {"oven", sample_oven}, {"any", sample_any}};
 
 }  // namespace
 

@@ -61,6 +61,7 @@ struct Judge::Impl {
   // Phase Open.
   long open_ticks = 0;
   long probe_ticks = 0;
+  std::optional<double> force_needed;  // while probing [N]
   MovingMean normal_force, pull_force, whole_force, torque;
   double normal_sum = 0.0, late_sum = 0.0, heading_squares = 0.0;
   long late_ticks = 0, heading_ticks = 0;
@@ -77,9 +78,16 @@ struct Judge::Impl {
     tick_us.reserve(static_cast<std::size_t>(1.1 * ticks) + 1000);
   }
 
+  static double direction_error(const TickView& tick) {
+    return angle_between(belief_alignment(tick.record, tick.truth) * tick.record.estimate.direction, tick.truth.direction);
+  }
+
   static int window(const JudgeConfig& c) { return std::max(1, static_cast<int>(std::lround(kForceWindow / c.period))); }
 
   void begin_phase(const TickView& tick) {
+    if (last_phase == Phase::Probe && tick.record.phase == Phase::Open) {
+      raise(result.probe_direction_error, direction_error(tick));
+    }
     last_phase = tick.record.phase;
     for (MovingMean* mean : {&normal_force, &pull_force, &whole_force, &torque}) mean->clear();
     if (tick.record.phase == Phase::Grasp) taken = false;
@@ -91,10 +99,8 @@ struct Judge::Impl {
 
   void observe_estimate(const TickView& tick, double arc) {
     const MechanismEstimate& estimate = tick.record.estimate;
-    const Matrix3d alignment = belief_alignment(tick.record, tick.truth);
-    const Vector3d direction = alignment * estimate.direction;
-    const Vector3d curvature = alignment * estimate.curvature;
-    const double direction_error = angle_between(direction, tick.truth.direction);
+    const Vector3d curvature = belief_alignment(tick.record, tick.truth) * estimate.curvature;
+    const double direction_error = Impl::direction_error(tick);
     const double curvature_error = (curvature - tick.truth.curvature).norm();
     // In the first tick of the phase the estimate is still that of the phase before.
     if (open_ticks > 1 && !result.direction_error_start) result.direction_error_start = direction_error;
@@ -170,13 +176,19 @@ struct Judge::Impl {
     }
   }
 
+  void observe_probe(const Truth& truth) {
+    ++probe_ticks;
+    if (whole_force.push(truth.force.norm())) raise(result.peak_probe_force, whole_force.mean());
+    // Within the play of the closed end it rests there: its friction must first be broken.
+    const double k = truth.curvature.norm();
+    const bool closed = truth.opening < kStopZone * (config.kind == JointKind::Hinge ? k : 1.0);
+    if (config.force_needed) raise(force_needed, config.force_needed(closed ? 0.0 : truth.opening));
+  }
+
   void observe(const TickView& tick) {
     if (tick.record.phase != last_phase) begin_phase(tick);
     if (tick.record.phase == Phase::Open) observe_open(tick);
-    if (tick.record.phase == Phase::Probe) {
-      ++probe_ticks;
-      if (whole_force.push(tick.truth.force.norm())) raise(result.peak_probe_force, whole_force.mean());
-    }
+    if (tick.record.phase == Phase::Probe) observe_probe(tick.truth);
     if (open_ticks == 0) last_opening = tick.truth.opening;
     limits.observe(tick);
     const BasePose& odometry = tick.state.base;
@@ -206,6 +218,9 @@ RunResult Judge::finish(const RunEnd& end) const {
     result.open_duration = ticks * config.period;
     result.handle_travel = impl_->last_opening * impl_->last_radius;
     result.mean_normal_force = impl_->normal_sum / ticks;
+  }
+  if (result.peak_probe_force && impl_->force_needed) {
+    result.probe_force_over_need = *result.peak_probe_force - *impl_->force_needed;
   }
   if (impl_->probe_ticks > 0) result.probe_duration = static_cast<double>(impl_->probe_ticks) * config.period;
   if (impl_->late_ticks > 0) result.late_normal_force = impl_->late_sum / static_cast<double>(impl_->late_ticks);

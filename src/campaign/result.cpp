@@ -38,6 +38,7 @@ void add_forces(Fields& fields, const RunResult& r) {
   add(fields, "stop_force_N", r.stop_force);
   add(fields, "peak_torque_Nm", r.peak_torque);
   add(fields, "peak_probe_force_N", r.peak_probe_force);
+  add(fields, "probe_force_over_need_N", r.probe_force_over_need);
   add(fields, "unwanted_contact_count", static_cast<std::int64_t>(r.unwanted_contacts.size()));
 }
 
@@ -52,6 +53,7 @@ void add_motion(Fields& fields, const RunResult& r) {
 }
 
 void add_estimate(Fields& fields, const RunResult& r) {
+  add(fields, "probe_direction_error_rad", r.probe_direction_error);
   add(fields, "direction_error_start_rad", r.direction_error_start);
   add(fields, "direction_error_10cm_rad", r.direction_error_10cm);
   add(fields, "direction_error_20cm_rad", r.direction_error_20cm);

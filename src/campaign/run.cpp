@@ -37,6 +37,7 @@ JudgeConfig judge_config(const Scenario& scenario, const RobotModel& model, cons
   config.goal = scenario.mission.goal;
   config.kind = mechanism.kind;
   config.travel = mechanism.travel;
+  config.force_needed = [mechanism](double opening) { return handle_force_needed(mechanism, opening); };
   config.limits = model.limits();
   config.wheel_radius = model.wheel_radius();
   config.wheel_track = model.wheel_track();

@@ -24,6 +24,10 @@ struct Metric {
   const char* unit;
 };
 constexpr double kDegrees = 180.0 / 3.14159265358979323846;
+/// Pulling within this of the true direction spends 87 % of its force on the motion.
+constexpr double kFoundWithin = 30.0 / kDegrees;
+constexpr double kGentleExcess = 15.0;  // [N]
+constexpr double kQuickProbing = 5.0;   // [s]
 constexpr std::array kMetrics{
     Metric{"peak_normal_force_free_N", "peak normal force before the stop", 1.0, "N"},
     Metric{"peak_normal_force_N", "peak normal force, stop included", 1.0, "N"},
@@ -33,6 +37,8 @@ constexpr std::array kMetrics{
     Metric{"stop_force_N", "force at the end stop", 1.0, "N"},
     Metric{"peak_torque_Nm", "peak torque", 1.0, "N m"},
     Metric{"peak_probe_force_N", "peak force of the probing", 1.0, "N"},
+    Metric{"probe_force_over_need_N", "the same less the force needed", 1.0, "N"},
+    Metric{"probe_direction_error_rad", "direction error after probing", kDegrees, "deg"},
     Metric{"direction_error_10cm_rad", "direction error at 10 cm", kDegrees, "deg"},
     Metric{"direction_error_20cm_rad", "direction error at 20 cm", kDegrees, "deg"},
     Metric{"direction_error_final_rad", "direction error at the end", kDegrees, "deg"},
@@ -101,6 +107,21 @@ GroupSummary summarize_group(const std::string& name, Rows& rows, const std::fun
   return group;
 }
 
+ProbingSummary summarize_probing(Rows& rows) {
+  ProbingSummary probing;
+  const auto& duration = rows.number("probe_duration_s");
+  const auto& error = rows.number("probe_direction_error_rad");
+  const auto& excess = rows.number("probe_force_over_need_N");
+  for (std::size_t i = 0; i < rows.table.rows; ++i) {
+    if (!std::isfinite(duration[i])) continue;
+    ++probing.runs;
+    probing.found += error[i] <= kFoundWithin ? 1 : 0;
+    probing.gentle += excess[i] <= kGentleExcess ? 1 : 0;
+    probing.quick += duration[i] <= kQuickProbing ? 1 : 0;
+  }
+  return probing;
+}
+
 Json json_of(const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); }
 
 Json share(int part, int whole) { return whole > 0 ? Json(static_cast<double>(part) / whole) : Json(nullptr); }
@@ -126,6 +147,7 @@ CampaignSummary summarize(const std::filesystem::path& runs_csv) {
   add("hinge", [&](std::size_t i) { return kind[i] == "hinge"; });
   add("slide", [&](std::size_t i) { return kind[i] == "slide"; });
   for (const std::string& reason : rows.text("reason")) ++summary.reasons[reason.empty() ? "none" : reason];
+  summary.probing = summarize_probing(rows);
   const auto above_zero = [](const std::vector<double>& values) {
     return static_cast<int>(std::count_if(values.begin(), values.end(), [](double v) { return v > 0.0; }));
   };
@@ -141,6 +163,13 @@ std::string to_json(const CampaignSummary& summary) {
   json["opened_fraction"] = share(all.opened, all.runs);
   json["opened_without_contact_fraction"] = share(all.opened_clean, all.runs);
   json["reasons"] = summary.reasons;
+  const ProbingSummary& probing = summary.probing;
+  if (probing.runs > 0) {
+    json["probing"] = {{"runs", probing.runs},
+                       {"found_within_30_deg", probing.found},
+                       {"at_most_15_N_over_need", probing.gentle},
+                       {"at_most_5_s", probing.quick}};
+  }
   json["runs_with_limit_violations"] = summary.limit_violations;
   json["runs_with_nonfinite_commands"] = summary.nonfinite_commands;
   for (const GroupSummary& group : summary.groups) {
@@ -175,6 +204,12 @@ std::string format_summary(const CampaignSummary& summary) {
   }
   text += fmt::format("\nruns with limit violations {}, with commands that are not finite {}\n", summary.limit_violations,
                       summary.nonfinite_commands);
+  const ProbingSummary& probing = summary.probing;
+  if (probing.runs > 0) {
+    text +=
+        fmt::format("probing in {} runs: direction found within 30 deg {}, at most 15 N over the need {}, at most 5 s {}\n",
+                    probing.runs, probing.found, probing.gentle, probing.quick);
+  }
   text += fmt::format("\n{:<40}{:>9}{:>9}{:>9}{:>7}\n", "all", "p50", "p90", "max", "runs");
   for (const Metric& metric : kMetrics) {
     const MetricSummary& m = summary.groups.front().metrics.at(metric.column);

@@ -25,6 +25,15 @@ constexpr double kBlockedCommand = 0.03;  // below this stiction may hold the ba
 constexpr double kBlockedTurn = 0.06;     // [rad/s]
 constexpr double kBlockedShare = 0.1;     // measured over commanded
 
+// Lag of the joint servos [s].
+constexpr double kServoTime = 0.01;
+
+ProbeConfig steady_probing(const MissionConfig& config) {
+  ProbeConfig probe;
+  probe.loop_delay = config.period + config.dead_time + kServoTime;
+  return probe;
+}
+
 // The pull may use what the mission allows; the force law's own key is its default.
 MissionConfig with_one_force_limit(MissionConfig config) {
   config.force.force_limit = config.limits.force;
@@ -80,7 +89,7 @@ Mission::Impl::Impl(const RobotModel& robot, const MissionConfig& settings, std:
       clearance(model, settings.clearance),
       wrench(model),
       opener(model, config),
-      prober(ProbeConfig{}),
+      prober(steady_probing(settings)),
       joint_move(0.8, 2.0) {
   command.dq = JointVector::Zero(model.joints());
   record.solution.u = InputVector::Zero(model.inputs());
@@ -232,7 +241,7 @@ void Mission::Impl::enter(Phase next) noexcept {
       break;
     case Phase::Open: controller.reset(); break;
     case Phase::Retreat: retreat_sense = 0.0; break;
-    case Phase::Regrasp: led_back = is_shut = false; break;
+    case Phase::Regrasp: is_shut = false; break;
     case Phase::Approach:
     case Phase::Release:
     case Phase::Done:

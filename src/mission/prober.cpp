@@ -2,139 +2,174 @@
 
 #include <algorithm>
 
+#include "ajar/estimation/direction_law.hpp"
+
 namespace ajar {
 namespace {
 
-constexpr double kForceBand = 8.0;      // the push slows down over this much force below its level [N]
-constexpr double kSideGive = 2e-3;      // lets the hand follow the mechanism sideways, α_f of the force law [m/(N s)]
 constexpr double kTorqueGive = 0.1;     // α_τ of the force law [rad/(N m s)]
-constexpr double kReturnGain = 3.0;     // [1/s]
-constexpr double kReturnGive = 1e-3;    // [m/(N s)]
-constexpr double kReturned = 2e-3;      // [m]
-constexpr double kStill = 2e-3;         // [m/s]
-constexpr double kLongestPush = 3.0;    // over the usual time [-]
-constexpr double kSpeedFilter = 0.03;   // encoder steps between two ticks are no motion [s]
 constexpr double kSpringsBack = 3.0;    // a handle that pulls at the hand by more than noise moves it by itself [N]
-constexpr double kSettleTime = 0.3;     // three times as long as the sideways force of a push needs to go [s]
-constexpr double kTrustMotion = 0.015;  // below this the measured direction is partly elastic: mix in the axis [m]
+constexpr double kArrived = 1.0;        // the measured force has arrived: noise and drift of the sensor [N]
+constexpr double kHolds = 2.5;          // and the handle still holds it [N]
+constexpr double kBeyond = 6.0;         // the hand aims this far beyond, or it would never quite arrive [N]
+constexpr double kStiffest = 3e4;       // of arm and grasp [N/m]
+constexpr double kGiven = 1e-3;         // motion beyond elasticity from which a handle gives [m]
+constexpr double kDoubt = 0.25;         // or this much of elasticity, as its stiffness is not known better [-]
+constexpr double kInsistence = 12.0;    // what has given is pushed harder by up to this before the next direction [N]
+constexpr double kGrowth = 60.0;        // [N/s]
+constexpr double kDraw = 8.0;           // at which the hand gains speed then [1/s]
+constexpr double kLeastWay = 1e-4;      // a shorter way tells no stiffness [m]
+constexpr double kFelt = 5.0;           // nor does a weaker force [N]
+constexpr double kStill = 5e-3;         // slower than this over the dwell a handle holds [m/s]
+constexpr double kTrustMotion = 0.015;  // below this the measured direction is partly elastic: mix in the force's [m]
 
-enum class Axis { Outward, Guess, Left, Right, Up, Down, Inward };
+enum class Axis { Outward, Guess, Left, Up, Right, Inward, Down };
 
-struct Push {
-  Axis axis;
-  int level;
-};
-
-// Most handles give along the normal or where they are said to: these two lead, one force level ahead of the sides.
-constexpr std::array kPushes = {
-    Push{Axis::Outward, 0}, Push{Axis::Guess, 0},   Push{Axis::Outward, 1}, Push{Axis::Guess, 1},  //
-    Push{Axis::Left, 0},    Push{Axis::Right, 0},   Push{Axis::Up, 0},      Push{Axis::Down, 0},
-    Push{Axis::Inward, 0},  Push{Axis::Outward, 2}, Push{Axis::Guess, 2},  //
-    Push{Axis::Left, 1},    Push{Axis::Right, 1},   Push{Axis::Up, 1},      Push{Axis::Down, 1},
-    Push{Axis::Inward, 1},  Push{Axis::Outward, 3}, Push{Axis::Guess, 3},  //
-    Push{Axis::Left, 2},    Push{Axis::Right, 2},   Push{Axis::Up, 2},      Push{Axis::Down, 2},
-    Push{Axis::Inward, 2},  Push{Axis::Inward, 3}};
-
-const Push& push_at(int push) noexcept {
-  return kPushes[static_cast<std::size_t>(std::clamp(push, 0, static_cast<int>(kPushes.size()) - 1))];
-}
+// Each is a quarter turn from the one before, and the first from the last: the force turns without dying down.
+constexpr std::array kRound = {Axis::Outward, Axis::Guess, Axis::Left, Axis::Up, Axis::Right, Axis::Inward, Axis::Down};
 
 }  // namespace
 
-double Prober::force() const noexcept { return config_.forces[static_cast<std::size_t>(push_at(push_).level)]; }
+double Prober::level() const noexcept { return config_.forces[std::min(round_, config_.forces.size() - 1)]; }
 
 Vector3d Prober::axis() const noexcept {
-  switch (push_at(push_).axis) {
+  switch (kRound[turn_]) {
     case Axis::Outward: return -R_start_.col(2);
     case Axis::Guess: return guess_;
     case Axis::Left: return R_start_.col(1);
-    case Axis::Right: return -R_start_.col(1);
     case Axis::Up: return R_start_.col(0);
-    case Axis::Down: return -R_start_.col(0);
-    case Axis::Inward: break;
+    case Axis::Right: return -R_start_.col(1);
+    case Axis::Inward: return R_start_.col(2);
+    case Axis::Down: break;
   }
-  return R_start_.col(2);
+  return -R_start_.col(0);
 }
 
 void Prober::start(const Pose& hand, const Vector3d& guess) noexcept {
   R_start_ = hand.linear();
-  p_start_ = p_last_ = hand.translation();
   guess_ = guess;
-  push_ = -1;
+  round_ = turn_ = 0;
+  along_ = axis();
+  strength_ = waited_ = held_ = force_ = settled_ = 0.0;
+  felt_ = holds_with_ = 0.0;
+  arrived_ = settling_ = false;
+  count_from(hand.translation(), Vector3d::Zero());
   status_ = Status::Running;
-  next_push();
 }
 
-void Prober::next_push() noexcept {
+void Prober::count_from(const Vector3d& hand, const Vector3d& force_now) noexcept {
+  p_start_ = hand;
+  f_start_ = held_force_ = force_now;
+  rest_.setZero();
+  drawn_.setZero();
+  held_at_.setZero();
+  gives_ = false;
+}
+
+void Prober::next_axis(const Vector3d& moved, const Vector3d& force_now) noexcept {
+  // From hold to hold the way is long and all at rest: it tells the stiffness better than the secants on the way.
+  const double way = (moved - held_at_).norm();
+  if (way > kLeastWay) holds_with_ = std::max(holds_with_, std::min((force_now - held_force_).norm() / way, kStiffest));
+  held_at_ = moved;
+  held_force_ = force_now;
+  rest_ = moved - (force_now - f_start_) / softest();
+  strength_ = std::min(strength_, level());
+  drawn_.setZero();
+  waited_ = held_ = 0.0;
+  arrived_ = false;
   do {
-    ++push_;
-  } while (push_ < static_cast<int>(kPushes.size()) && axis().squaredNorm() < 0.5);  // no guess: its pushes are left out
-  returning_ = settling_ = false;
-  time_ = blocked_ = 0.0;
-  p_pulled_ = p_last_;
-  farthest_.setZero();
-  motion_.setZero();
-  if (push_ >= static_cast<int>(kPushes.size())) status_ = Status::Nothing;
+    if (++turn_ == kRound.size()) {
+      turn_ = 0;
+      ++round_;
+    }
+  } while (axis().squaredNorm() < 0.5);  // no guess: its turn is left out
+  if (round_ == config_.forces.size()) status_ = Status::Nothing;
 }
 
-void Prober::settle() noexcept {
-  const double trust = std::clamp(motion_.norm() / kTrustMotion, 0.0, 1.0);
-  direction_ = ((1.0 - trust) * axis() + trust * motion_.normalized()).normalized();
+void Prober::turn_force(double dt) noexcept {
+  const double step = config_.force_rate * dt;
+  const Vector3d target = axis();
+  along_ = turn_towards(along_, target, step / std::max(strength_, config_.forces.front()));
+  // First turn, then grow: what is left of the direction before would add to it.
+  if (along_ == target && strength_ < level()) strength_ = std::min(level(), strength_ + step);
+}
+
+void Prober::settle(const Vector3d& motion) noexcept {
+  const double trust = std::clamp(motion.norm() / kTrustMotion, 0.0, 1.0);
+  direction_ = ((1.0 - trust) * along_ + trust * motion.normalized()).normalized();
+  along_ = direction_;
   settling_ = true;
-  time_ = 0.0;
 }
 
-void Prober::end_push() noexcept {
-  if (farthest_.dot(axis()) > config_.enough) {
-    settle();  // clear motion: go on from here instead of pushing back
-  } else {
-    returning_ = true;
-    time_ = 0.0;
-  }
-}
-
-// What elasticity cannot explain of the way since the handle last moved the hand instead of the hand the handle.
-void Prober::watch(const Vector3d& hand, const Vector3d& force) noexcept {
-  if (axis().dot(force) < -kSpringsBack) {
-    p_pulled_ = hand;
+// A force that arrives is held by the handle: on to the next direction. One that does not is followed to where it gives.
+void Prober::follow(const Vector3d& moved, const Vector3d& force_now, double dt) noexcept {
+  const double lack = strength_ - along_.dot(force_now);
+  const double way = along_.dot(given(moved, force_now));
+  const bool there = strength_ >= level() && along_ == axis();
+  const bool was_there = arrived_;
+  arrived_ = there && lack < (arrived_ ? kHolds : kArrived);
+  if (arrived_ && !was_there) way_at_arrival_ = way;
+  held_ = arrived_ ? held_ + dt : 0.0;
+  waited_ = arrived_ ? 0.0 : waited_ + dt;
+  const bool held = held_ > config_.dwell;
+  const bool still = way - way_at_arrival_ < kStill * held_;
+  gives_ = gives_ || along_.dot(moved - (force_now - f_start_) / config_.stiffness) > config_.enough;
+  if (gives_) {
+    if (moved.norm() > config_.reach || (held && still) || waited_ > config_.longest) {
+      force_ = std::max(level(), along_.dot(force_now));
+      settle(moved - (force_now - f_start_) / config_.likely_stiffness);
+    }
     return;
   }
-  const Vector3d net = hand - p_pulled_ - force / config_.stiffness;
-  if (net.dot(axis()) > farthest_.dot(axis())) {
-    farthest_ = net;
-    motion_ = hand - p_pulled_ - force / config_.likely_stiffness;
+  const bool yields = !still || way > std::max(kGiven, kDoubt * force_now.norm() / softest());
+  if (held && yields && strength_ < level() + kInsistence) {
+    strength_ += kGrowth * dt;
+  } else if (held || (there && waited_ > config_.longest)) {
+    next_axis(moved, force_now);
   }
+  if (lack < config_.band || waited_ > config_.longest) turn_force(dt);
+}
+
+// The hand follows its force as fast as the stiffness felt so far allows; what gives draws it along faster and faster.
+Vector3d Prober::speed(const Vector3d& moved, const Vector3d& force_now, double dt) noexcept {
+  const double way = (moved - rest_).norm();
+  const double strength = (force_now - f_start_).norm();
+  if (!gives_ && strength > kFelt && way > kLeastWay) felt_ = std::max(felt_, std::min(strength / way, kStiffest));
+  const double gain = config_.stability_number / ((felt_ > 0.0 ? felt_ : kStiffest) * config_.loop_delay);
+  if (settling_) {
+    const double pull = along_.dot(force_now);
+    const double onward = std::clamp((strength_ + kBeyond - pull) / config_.band, -0.5, 1.0);
+    return 0.5 * config_.speed * onward * along_ - gain * (force_now - pull * along_);
+  }
+  const bool beyond = !arrived_ && along_ == axis();
+  const Vector3d error = (strength_ + (beyond ? kBeyond : 0.0)) * along_ - force_now;
+  const Vector3d way_given = given(moved, force_now);
+  const double length = way_given.norm();
+  if (arrived_ || length < kGiven) {
+    drawn_.setZero();
+  } else {
+    drawn_ += kDraw * dt * gain * way_given * (way_given.dot(error) / (length * length));
+  }
+  const Vector3d v = gain * error + drawn_;
+  return v * std::min(1.0, config_.speed / std::max(v.norm(), 1e-9));
 }
 
 Vector6d Prober::step(const Pose& hand, const HandWrench& wrench, double dt) noexcept {
   Vector6d twist = Vector6d::Zero();
   if (status_ != Status::Running || dt <= 0.0) return twist;
-  const Vector3d along = settling_ ? direction_ : axis();
-  const Vector3d& f = wrench.force;
+  // A leaf that is held open against its spring moves the hand: nothing is learnt before the hand moves the leaf.
+  if (!settling_ && along_.dot(wrench.force) < -kSpringsBack) count_from(hand.translation(), wrench.force);
   const Vector3d moved = hand.translation() - p_start_;
-  const double speed = (hand.translation() - p_last_).dot(along) / dt;
-  p_last_ = hand.translation();
-  time_ += dt;
-  twist.tail<3>() = -kTorqueGive * wrench.torque;
-  if (returning_) {
-    twist.head<3>() = -kReturnGain * moved - kReturnGive * f;
-    if (moved.norm() < kReturned || time_ > config_.return_time) next_push();
-    return twist;
-  }
-  const double pull = along.dot(f);
-  twist.head<3>() =
-      config_.speed * std::clamp((force() - pull) / kForceBand, -0.5, 1.0) * along - kSideGive * (f - pull * along);
   if (settling_) {
-    if (time_ > kSettleTime) status_ = Status::Found;
-    return twist;
+    settled_ += dt;
+    settle(moved - (wrench.force - f_start_) / config_.likely_stiffness);
+    if (settled_ > config_.settle_time) status_ = Status::Found;
+  } else {
+    follow(moved, wrench.force, dt);
   }
-  watch(hand.translation(), f);
-  filtered_speed_ += std::min(1.0, dt / kSpeedFilter) * (speed - filtered_speed_);
-  blocked_ = pull > force() - 0.6 * kForceBand && filtered_speed_ < kStill ? blocked_ + dt : 0.0;
-  // A handle that moves may finish its way, however slowly it gives.
-  const bool too_long =
-      time_ > config_.push_time && (filtered_speed_ < 2.0 * kStill || time_ > kLongestPush * config_.push_time);
-  if (moved.norm() > config_.reach || too_long || blocked_ > config_.blocked_time) end_push();
+  if (status_ != Status::Running) return twist;
+  twist.head<3>() = speed(moved, wrench.force, dt);
+  twist.tail<3>() = -kTorqueGive * wrench.torque;
   return twist;
 }
 

@@ -115,6 +115,36 @@ TEST_F(CampaignTest, SummaryCountsAsTheRowsSay) {
   EXPECT_EQ(split, 24);
 }
 
+TEST_F(CampaignTest, SummaryCountsWhatProbingFound) {
+  const auto probing = [](const Scenario& scenario, const RunOptions& run) {
+    RunResult result = fake_run(scenario, run);
+    switch (scenario.seed % 4) {
+      case 0: break;  // did not probe
+      case 1:         // found, hard and slow
+        result.probe_duration = 5.1;
+        result.probe_force_over_need = 15.1;
+        result.probe_direction_error = 29.0 * M_PI / 180.0;
+        break;
+      case 2:  // the wrong way, gently and quickly
+        result.probe_duration = 4.9;
+        result.probe_force_over_need = 14.9;
+        result.probe_direction_error = 31.0 * M_PI / 180.0;
+        break;
+      default: result.probe_duration = 9.0;  // nothing found
+    }
+    return result;
+  };
+  const Campaign campaign = load_campaign(write(kPull));
+  const CampaignSummary summary = run_campaign(campaign, probing, options("probing", 2));
+  int of[4] = {0, 0, 0, 0};
+  for (int i = 0; i < campaign.runs; ++i) ++of[make_run(campaign, i).scenario.seed % 4];
+  EXPECT_EQ(summary.probing.runs, 24 - of[0]);
+  EXPECT_EQ(summary.probing.found, of[1]);
+  EXPECT_EQ(summary.probing.gentle, of[2]);
+  EXPECT_EQ(summary.probing.quick, of[2]);
+  EXPECT_NE(format_summary(summary).find("direction found within 30 deg"), std::string::npos);
+}
+
 TEST_F(CampaignTest, LeavesAPageAndReplaysARunFromItsSeed) {
   const Campaign campaign = load_campaign(write(kPull));
   (void)run_campaign(campaign, fake_run, options("page", 2));

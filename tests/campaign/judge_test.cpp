@@ -166,6 +166,31 @@ TEST(Judge, ProbeForceIsThatOfTheProbeOnly) {
   EXPECT_NEAR(result.open_duration.value(), 20 * kPeriod, 1e-12);
 }
 
+TEST(Judge, ProbingIsComparedWithWhatTheMechanismNeedsWhereItIsProbed) {
+  JudgeConfig config = hinge_config();
+  // 3 N to break loose where it is closed, then 1 N and 10 N/rad.
+  config.force_needed = [](double opening) { return opening > 0.0 ? 1.0 + 10.0 * opening : 3.0; };
+  Judge judge(config);
+  Scene scene;
+  scene.record.phase = Phase::Probe;
+  scene.set_hinge(1e-4);  // within the play of the closed end
+  scene.truth.force = Vector3d(0.0, 8.0, 6.0);
+  for (int i = 0; i < 20; ++i) scene.show(judge);
+  scene.record.phase = Phase::Open;
+  scene.set_hinge(0.05);
+  scene.record.estimate.direction = Eigen::AngleAxisd(0.2, Vector3d::UnitZ()) * scene.truth.direction;
+  scene.show(judge);
+  const RunResult result = judge.finish(end_of(false));
+  EXPECT_NEAR(result.probe_force_over_need.value(), 10.0 - 3.0, 1e-9);
+  EXPECT_NEAR(result.probe_direction_error.value(), 0.2, 1e-9);
+
+  Judge without(hinge_config());
+  Scene open;
+  open.show(without);
+  EXPECT_FALSE(without.finish(end_of(false)).probe_force_over_need.has_value());
+  EXPECT_FALSE(without.finish(end_of(false)).probe_direction_error.has_value());
+}
+
 TEST(Judge, ComparesBeliefInTheRobotsFrameAtTheStatedArcs) {
   Judge judge(hinge_config());
   Scene scene;

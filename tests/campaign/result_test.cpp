@@ -27,6 +27,8 @@ TEST(RunResult, HasEveryKeyThatReadersRelyOn) {
                           "peak_pull_force_N",
                           "peak_torque_Nm",
                           "peak_probe_force_N",
+                          "probe_force_over_need_N",
+                          "probe_direction_error_rad",
                           "unwanted_contact_count",
                           "unwanted_contacts",
                           "min_clearance_m",

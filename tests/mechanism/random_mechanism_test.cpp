@@ -78,6 +78,40 @@ TEST(RandomMechanism, PushesLeadAwayFromTheRobot) {
   }
 }
 
+TEST(RandomMechanism, AnyKindStandsInTheRoomAndNeedsAtMostFortyNewton) {
+  Random random(7);
+  int hinges = 0;
+  int level = 0;
+  int tilted = 0;
+  int away = 0;
+  int sideways = 0;
+  int upwards = 0;
+  for (int i = 0; i < kDraws; ++i) {
+    const MechanismConfig config = sample_any(random);
+    const Mechanism m = make_mechanism(config);
+    for (double q = 0.0; q <= m.travel; q += 0.02) EXPECT_LE(handle_force_needed(m, q), kLargestDrawnForce * 1.001);
+    EXPECT_GT(handle_force_needed(m, 0.0), 0.0);
+    if (m.kind == JointKind::Slide) {
+      sideways += std::abs(m.axis.dot(m.handle.normal)) < 0.1 && std::abs(m.axis.z()) < 0.1 ? 1 : 0;
+      upwards += std::abs(m.axis.z()) > 0.99 ? 1 : 0;
+      continue;
+    }
+    ++hinges;
+    EXPECT_GE(config.radius, 0.2);
+    EXPECT_LE(config.radius, 1.2);
+    EXPECT_GT(m.point.z(), 0.0);
+    level += std::abs(m.axis.z()) < 1e-9 ? 1 : 0;
+    tilted += std::abs(m.axis.z()) > 1e-9 && std::abs(m.axis.z()) < 0.95 ? 1 : 0;
+    away += config.sense == Sense::Push ? 1 : 0;
+  }
+  EXPECT_NEAR(hinges, 0.65 * kDraws, share_bound(0.65) * kDraws);
+  EXPECT_NEAR(sideways, 0.35 * 0.35 * kDraws, share_bound(0.35 * 0.35) * kDraws);
+  EXPECT_NEAR(upwards, 0.35 * 0.2 * kDraws, share_bound(0.35 * 0.2) * kDraws);
+  // What would not stand in the room is drawn again: only that every kind occurs often is asked.
+  for (const int kind : {level, tilted}) EXPECT_GT(kind, 0.1 * hinges);
+  EXPECT_GT(away, 0.02 * hinges);
+}
+
 TEST(RandomMechanism, SameSeedDrawsTheSameMechanisms) {
   Random a(5);
   Random b(5);

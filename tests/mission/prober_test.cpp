@@ -54,6 +54,29 @@ TEST(Prober, FindsAnyFreeDirectionWithinTenSeconds) {
   }
 }
 
+TEST(Prober, PressesLittleMoreThanTheHandleNeeds) {
+  Random random(5);
+  const Vector3d ways[] = {Vector3d::UnitX(),  -Vector3d::UnitX(), Vector3d::UnitY(),
+                           -Vector3d::UnitY(), Vector3d::UnitZ(),  -Vector3d::UnitZ()};
+  for (int i = 0; i < 60; ++i) {
+    Handle handle{ways[i % 6], random.uniform(0.5, 34.0)};
+    Prober prober{ProbeConfig{}};
+    Pose hand = Pose::Identity();
+    prober.start(hand, Vector3d::Zero());
+    double peak = 0.0;
+    double time = 0.0;
+    for (; prober.status() == Prober::Status::Running && time < 60.0; time += kDt) {
+      const Vector3d force = handle.force(hand.translation());
+      peak = std::max(peak, force.norm());
+      hand.translation() += kDt * prober.step(hand, {.force = force, .torque = Vector3d::Zero()}, kDt).head<3>();
+    }
+    ASSERT_EQ(prober.status(), Prober::Status::Found) << "run " << i;
+    EXPECT_LT(peak, handle.friction + 15.0) << "run " << i;
+    EXPECT_LT(time, 5.0) << "run " << i;
+    EXPECT_LT(std::acos(std::clamp(prober.direction().dot(handle.free), -1.0, 1.0)), 0.1) << "run " << i;
+  }
+}
+
 TEST(Prober, CallsALockedHandleNothing) {
   double time = 0.0;
   EXPECT_EQ(probe({Vector3d::UnitX(), 1e6}, Vector3d::Zero(), time), -1.0);

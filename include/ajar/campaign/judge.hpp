@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -18,6 +19,8 @@ struct JudgeConfig {
   GoalConfig goal;
   JointKind kind = JointKind::Hinge;  ///< The true mechanism
   double travel = 1.9;                ///< Its end stop [rad or m]
+  /// Force along the handle's way that a slow opening needs at an opening [N]; none: probing is not compared with it
+  std::function<double(double)> force_needed{};
   RobotLimits limits;
   double wheel_radius = 0.1;  ///< [m]
   double wheel_track = 0.5;   ///< [m]

@@ -43,6 +43,8 @@ struct RunResult {
   std::optional<double> stop_force;              ///< Peak of the whole force at the stop [N]
   std::optional<double> peak_torque;             ///< [N m]
   std::optional<double> peak_probe_force;        ///< Whole force, phase Probe [N]
+  std::optional<double> probe_force_over_need;   ///< The same less what the mechanism needed where it was probed [N]
+  std::optional<double> probe_direction_error;   ///< Of the direction with which probing ended, the worst if several [rad]
   std::vector<Contact> unwanted_contacts;
   std::optional<double> min_clearance;       ///< Smallest believed distance [m]
   std::optional<double> path_error_max;      ///< Change of the offset hand - handle in the leaf [m]

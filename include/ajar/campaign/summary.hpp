@@ -27,8 +27,17 @@ struct GroupSummary {
   std::map<std::string, MetricSummary> metrics;  ///< By column of runs.csv
 };
 
+/// Probing over the runs that had to: whether it found the way, how hard it pressed and how long it took.
+struct ProbingSummary {
+  int runs = 0;
+  int found = 0;   ///< Pulling began within 30° of the true direction
+  int gentle = 0;  ///< At most 15 N more than the mechanism needed
+  int quick = 0;   ///< At most 5 s
+};
+
 struct CampaignSummary {
-  std::vector<GroupSummary> groups;    ///< The first is "all"
+  std::vector<GroupSummary> groups;  ///< The first is "all"
+  ProbingSummary probing;
   std::map<std::string, int> reasons;  ///< Runs per reason
   int limit_violations = 0;            ///< Runs with any
   int nonfinite_commands = 0;          ///< Runs with any

@@ -56,9 +56,7 @@ class MechanismEstimator {
   ~MechanismEstimator();
 
   /// Starts anew at a hand pose with a guess of the direction (unit) and curvature.
-  /// @param bar_turns  The grip is known to pivot: positions only
-  void reset(const Pose& hand, const Vector3d& direction_guess, const Vector3d& curvature_guess = Vector3d::Zero(),
-             bool bar_turns = false) noexcept;
+  void reset(const Pose& hand, const Vector3d& direction_guess, const Vector3d& curvature_guess = Vector3d::Zero()) noexcept;
 
   /// One tick. No allocation, no exception, bounded time.
   [[nodiscard]] EstimatorStatus update(const EstimatorInput& input) noexcept;

@@ -24,4 +24,10 @@ inline constexpr double kLargestDrawnForce = 40.0;
 /// Draws a door to push through: r 0.7-0.95 m, both sides, stop at 80-115°, 10-40 kg, friction 0.5-4 N m. Set-up only.
 [[nodiscard]] MechanismConfig sample_push(Random& random);
 
+/// Draws a hinge (65 %) or slide of any kind: radius 0.2-1.2 m; axes upright, level above or below the handle, or at any
+/// tilt; doors that open away among the upright ones; drawers askew by up to 15°, doors that slide along the wall, sashes.
+/// A quarter each runs freely (0.5-4 N), rubs (4-20 N), has a spring (2-15 N at rest and as much again over its way) or a
+/// closer (8-20 N). Set-up only.
+[[nodiscard]] MechanismConfig sample_any(Random& random);
+
 }  // namespace ajar
