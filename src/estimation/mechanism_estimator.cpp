@@ -282,7 +282,8 @@ MechanismEstimator& MechanismEstimator::operator=(const MechanismEstimator& othe
 
 MechanismEstimator::~MechanismEstimator() = default;
 
-void MechanismEstimator::reset(const Pose& hand, const Vector3d& direction_guess, const Vector3d& curvature_guess) noexcept {
+void MechanismEstimator::reset(const Pose& hand, const Vector3d& direction_guess, const Vector3d& curvature_guess,
+                               bool bar_turns) noexcept {
   Impl& m = *impl_;
   const double norm = direction_guess.norm();
   m.law.x = std::isfinite(norm) && norm > 1e-9 ? Vector3d(direction_guess / norm) : Vector3d::UnitX();
@@ -297,7 +298,7 @@ void MechanismEstimator::reset(const Pose& hand, const Vector3d& direction_guess
   m.still_way = m.blind_way = m.last_speed = 0.0;
   m.last_hand = m.start;
   MechanismEstimate fresh;
-  fresh.rigid_grasp = m.config.use_rotation;
+  fresh.rigid_grasp = m.config.use_rotation && !bar_turns;
   fresh.direction = m.law.x;
   fresh.curvature = m.law.k;
   fresh.point = m.last_point;

@@ -73,8 +73,10 @@ double SpeedLaw::step(const SpeedInput& input) noexcept {
     travel_ += std::abs(input.measured_speed) * period_;
   }
   if (travel_ > kMovedTravel && filtered_speed_ > kMovingShare * std::max(speed_, config_.speed_start)) {
-    const double share = moved_ ? std::min(1.0, period_ / kForceFilter) : 1.0;
-    running_force_ += share * (input.pull_force - running_force_);
+    // The blow of a stop, met before the hand has come to rest, is not what the motion needs: it counts as the give's
+    // margin.
+    const double force = moved_ ? std::min(input.pull_force, running_force_ + config_.give_margin) : input.pull_force;
+    running_force_ += (moved_ ? std::min(1.0, period_ / kForceFilter) : 1.0) * (force - running_force_);
     moved_ = true;
   }
   speed_ +=

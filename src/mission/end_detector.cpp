@@ -7,7 +7,6 @@ namespace {
 
 constexpr double kSpeedFilter = 0.1;   // low-pass of the measured speed [s]
 constexpr double kDriftFilter = 1.0;   // the same of the slow parts: a hand that swings on a stop gets nowhere [s]
-constexpr double kHeldFactor = 0.1;    // the controller lets nearly nothing of the wanted motion through
 constexpr double kPullingShare = 0.6;  // of the allowed force; the speed law fades out over the rest
 constexpr double kWantsOn = 0.5;       // speed factor above which the hand does as the speed law wants
 constexpr double kLargestDoubt = 0.1;  // an angle less certain than this does not delay the goal further [rad]
@@ -17,14 +16,17 @@ constexpr double kLargestDoubt = 0.1;  // an angle less certain than this does n
 EndDetector::EndDetector(const EndConfig& config, const GoalConfig& goal, double force_limit)
     : config_(config), goal_(goal), force_limit_(force_limit) {}
 
-void EndDetector::reset() noexcept { speed_ = drift_ = force_ = still_ = held_ = pressed_ = leaning_ = 0.0; }
+void EndDetector::reset() noexcept { speed_ = drift_ = force_ = still_ = stuck_ = held_ = pressed_ = leaning_ = 0.0; }
 
 void EndDetector::watch(const EndInput& in) noexcept {
   speed_ += std::min(1.0, in.dt / kSpeedFilter) * (in.speed - speed_);
   drift_ += std::min(1.0, in.dt / kDriftFilter) * (in.speed - drift_);
   force_ += std::min(1.0, in.dt / kDriftFilter) * (in.pull_force - force_);
   still_ = speed_ < config_.still_speed ? still_ + in.dt : 0.0;
-  held_ = in.speed_factor < kHeldFactor ? held_ + in.dt : 0.0;
+  // Creeping by jerks is standing: what counts is what the slow mean gains.
+  stuck_ = drift_ < config_.still_speed ? stuck_ + in.dt : 0.0;
+  const bool fenced = in.speed_factor < kWantsOn && in.binding == BindingLimit::Clearance;
+  held_ = stuck_ > 0.0 ? held_ + (fenced ? in.dt : 0.0) : 0.0;
   // A stop is met by a hand that wants on: a hand that the controller holds back must lean on it for longer, or the jerk
   // of being held back would count; so must one that swings on the spring of its grasp.
   const double risen_force = in.running_force + config_.stop_force;
@@ -56,8 +58,8 @@ EndDetector::Verdict EndDetector::step(const EndInput& in, const MechanismEstima
   const bool pulls = in.pull_force > kPullingShare * std::min(in.force_cap, force_limit_);
   if (arc < config_.blocked_arc && still_ > (pulls ? config_.blocked_pull_time : config_.blocked_time))
     return Verdict::Blocked;
-  if (still_ > config_.stalled_time) {
-    if (held_ > 0.5 * config_.stalled_time && in.binding == BindingLimit::Clearance) return Verdict::ClearanceStop;
+  if (stuck_ > config_.stalled_time) {
+    if (held_ > 0.5 * config_.stalled_time) return Verdict::ClearanceStop;
     return at_limit ? Verdict::TooHeavy : Verdict::Stalled;
   }
   return Verdict::Going;

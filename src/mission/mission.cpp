@@ -90,6 +90,22 @@ void MissionConfig::validate() const {
   }
 }
 
+namespace {
+
+// "upper_arm_link 0.02 m from cabinet"
+std::string in_words(const ClearanceRow& row, const RobotModel& model, bool doorway) {
+  const auto link = [&](int shape) {
+    const bool known = shape >= 0 && shape < static_cast<int>(model.shapes().size());
+    return known ? model.shapes()[static_cast<std::size_t>(shape)].link : std::string("the robot");
+  };
+  std::string other = link(row.other_shape);
+  if (row.obstacle == kWallObstacle || row.obstacle == kHingeWallObstacle) other = doorway ? "the frame" : "the wall";
+  if (row.obstacle == kLeafObstacle) other = "the leaf";
+  return fmt::format("{} {:.2f} m from {}", link(row.shape), row.distance, other);
+}
+
+}  // namespace
+
 Mission::Mission(const RobotModel& model, const MissionConfig& config, std::optional<Vector3d> direction_guess,
                  std::uint64_t seed) {
   config.validate();
@@ -130,7 +146,9 @@ std::string Mission::explain() const {
     case EndReason::NeedsMoreForce:
       return fmt::format("needs more than {:.0f} N at the handle: {}", m.config.limits.force - 8.0, seen);
     case EndReason::Stalled: return fmt::format("stands still without force: {}{}", seen, room);
-    case EndReason::ClearanceStop: return fmt::format("a clearance limit stops it: {}{}", seen, room);
+    case EndReason::ClearanceStop:
+      return fmt::format("a clearance limit stops it, {}: {}{}", in_words(m.fence, m.model, m.handle.passage.has_value()),
+                         seen, room);
     case EndReason::SensorInvalid: return "a measurement was not a number";
     case EndReason::SensorSilent: return fmt::format("no wrist reading for {:.0f} ms", 1e3 * m.config.limits.sensor_timeout);
     case EndReason::BaseBlocked: return "the base is told to move and does not";

@@ -241,7 +241,7 @@ void Mission::Impl::enter(Phase next) noexcept {
       break;
     case Phase::Open: controller.reset(); break;
     case Phase::Retreat: retreat_sense = 0.0; break;
-    case Phase::Regrasp: is_shut = false; break;
+    case Phase::Regrasp: led_back = is_shut = false; break;
     case Phase::Approach:
     case Phase::Release:
     case Phase::Done:

@@ -56,7 +56,11 @@ struct Mission::Impl {
   void probe(const RobotState& state) noexcept;
   void open(const RobotState& state) noexcept;
   bool found_to_open_away(EndDetector::Verdict verdict) noexcept;
+  bool better_held_otherwise(EndDetector::Verdict verdict) noexcept;
+  bool lead_back(const RobotState& state) noexcept;
+  [[nodiscard]] Opener::Tick tick(const RobotState& state) noexcept;
   bool let_go(const RobotState& state, double give_time) noexcept;
+  [[nodiscard]] Vector3d way_out(const RobotState& state) noexcept;
   bool start_folding(const RobotState& state);
   bool shut(const RobotState& state) noexcept;
   void regrasp(const RobotState& state);
@@ -65,8 +69,8 @@ struct Mission::Impl {
 
   void process(Event event, EndReason why = EndReason::Running) noexcept;
   void enter(Phase next) noexcept;
-  // Moves the hand towards a pose with the base standing; returns the position error [m].
-  double move_hand(const RobotState& state, const Pose& target, double speed) noexcept;
+  // Moves the hand towards a pose; returns the position error [m].
+  double move_hand(const RobotState& state, const Pose& target, double speed, bool base_fixed = true) noexcept;
   void solve_hand_twist(const RobotState& state, const Vector6d& twist, bool base_fixed = true) noexcept;
   void command_zero() noexcept;
   void command_solution() noexcept;
@@ -102,6 +106,8 @@ struct Mission::Impl {
   BasePose odometry_origin;  // of the odometry frame in the frame of the first sight: removes the drift of the drive
   std::vector<GraspCandidate> candidates;
   std::size_t candidate = 0;
+  int tried = 0;            // base poses since the choice
+  bool drawn_anew = false;  // the list was used up and drawn once more
   GraspCandidate chosen;
   Vector3d direction = Vector3d::UnitX();
 
@@ -113,6 +119,10 @@ struct Mission::Impl {
   double moving_force = 0.0;           // that probing needed to move it, with a reserve; 0 = it was not probed [N]
   std::optional<HingeSide> felt_side;  // of a leaf that opens away
   double misreading = 0.0;             // of the camera about the vertical, as felt [rad]
+  std::optional<FeltMechanism> felt;   // that the handle is taken anew for
+  int judgements = 0;                  // of the grasp, by what was felt
+  bool led_back = false;
+  ClearanceRow fence;  // the nearest pair when a clearance stopped it
   double blocked_time = 0.0;
   double given_until = 0.0;  // time in the phase at which the fingers began to open; 0 = the hand still gives way
   bool holding = false;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "ajar/core/so3.hpp"
+#include "ajar/planning/hypotheses.hpp"
 #include "ajar/planning/passage.hpp"
 
 namespace ajar {
@@ -22,9 +23,21 @@ constexpr double kBlow = 34.0;               // what the stop's blow K v T may a
 constexpr double kBlowStiffness = 1.5e4;     // K: a stiff grasp [N/m]
 constexpr double kArmReaction = 0.025;       // T without dead time: the force rises, the joints brake [s]
 constexpr double kLeastCurvature = 0.2;      // a hinge of more than 5 m radius is driven as a slide [1/m]
-// A flap's hand must not follow the leaf all the way round: it would end up under the bar.
-constexpr double kFlapTurn = 0.6;       // [rad]
-constexpr double kPivotCentring = 0.3;  // weak turn of a hand about a free bar towards where it should be [1/s]
+constexpr double kPivotCentring = 0.3;       // weak turn of a hand about a free bar towards where it should be [1/s]
+// Whether a bar turns in the fingers is tried on level axes along it. (#free-grip)
+constexpr double kAlongBar = 0.9;    // cosine: an axis within 25 degrees of the bar
+constexpr double kLevel = 0.7071;    // sine: a bar that lies rather than stands
+constexpr double kHeldTorque = 2.0;  // pads on a bar slip below this; held fast, 100 N m/rad reach it within 1.2° [N m]
+// The way is known well enough to judge the grasp by it.
+constexpr double kKnownArc = 0.10;        // [m]
+constexpr double kKnownDirection = 0.06;  // [rad]
+constexpr double kKnownCurvature = 0.25;  // of the curvature, or of 1/m
+// The way back: as fast as a hand that cannot be surprised, against half the pull that opening may use.
+constexpr double kBackSpeed = 0.10;        // [m/s]
+constexpr double kBackForce = 30.0;        // [N]
+constexpr double kBackAtStart = 0.05;      // the rest of the way is as good as straight [m]
+constexpr double kBackStillSpeed = 0.006;  // the closed stop is met a little before or behind [m/s]
+constexpr double kBackStillTime = 1.5;     // [s]
 
 // Rotation vector of the leaf since the grasp, as the estimate has it now: errors of the first centimetres do not stay in
 // it.
@@ -55,6 +68,9 @@ void Opener::start(const RobotState& state, const Kinematics& kinematics, const 
   base_law_.reset(state.base, kinematics.X_WE.translation(),
                   belief.passage ? std::optional(passage_line(*belief.passage)) : std::nullopt);
   straight_ = belief.passage.has_value();
+  taken_at_ = kinematics.X_WE.translation();
+  held_fast_ = false;
+  felt_ = belief.felt.value_or(FeltMechanism{.direction = direction});
   opened_ = belief.passage ? belief.passage->opened : 0.0;
   HandleBelief held = belief;
   held.position = kinematics.X_WE.translation();
@@ -63,12 +79,12 @@ void Opener::start(const RobotState& state, const Kinematics& kinematics, const 
 }
 
 void Opener::redirect(const Kinematics& kinematics, const Vector3d& direction, double force) noexcept {
-  estimator_.reset(kinematics.X_WE, direction);
+  estimator_.reset(kinematics.X_WE, direction, felt_.curvature, felt_.bar_turns);
   force_law_.reset();
   speed_law_.reset();
   ends_.reset();
   if (thesis_) thesis_->reset();  // the robot stands
-  base_lag_ = 0.0;
+  base_lag_ = back_still_ = 0.0;
   start_force_ = std::max(config_.force.start_force, force);
 }
 
@@ -100,36 +116,48 @@ void Opener::solve(const WbcProblem& problem, WholeBodyController& controller, W
   controller.reset(out.u);  // letting go brakes from here
 }
 
-double Opener::drive(const RobotState& state, const Kinematics& kin, const ForceCorrection& correction, double along,
-                     BaseLawOutput& base) noexcept {
+double Opener::wanted_speed(const ForceCorrection& correction, double along) noexcept {
   const MechanismEstimate& estimate = estimator_.estimate();
-  const double sure = confidence(estimate);
-  const double speed = speed_law_.step({.confidence = sure,
-                                        .base_lag = base_lag_,
-                                        .pull_force = correction.pull_force,
-                                        .normal_force = correction.normal_force,
-                                        .measured_speed = along,
-                                        .speed_cap = speed_cap(estimate),
-                                        .force_cap = force_cap(estimate)});
-  base = base_law_.step({.dt = config_.period,
-                         .base = state.base,
-                         .hand = kin.X_WE.translation(),
-                         .direction = estimate.direction,
-                         .curvature = estimate.curvature,
-                         .wanted_speed = speed,
-                         .measured_speed = along,
-                         .confidence = sure});
+  return speed_law_.step({.confidence = confidence(estimate),
+                          .base_lag = base_lag_,
+                          .pull_force = correction.pull_force,
+                          .normal_force = correction.normal_force,
+                          .measured_speed = along,
+                          .speed_cap = speed_cap(estimate),
+                          .force_cap = force_cap(estimate)});
+}
+
+BaseLawOutput Opener::drive(const Tick& tick, const MechanismEstimate& estimate, double speed, double along) noexcept {
+  const BaseLawOutput base = base_law_.step({.dt = config_.period,
+                                             .base = tick.state.base,
+                                             .hand = tick.kin.X_WE.translation(),
+                                             .direction = estimate.direction,
+                                             .curvature = estimate.curvature,
+                                             .wanted_speed = speed,
+                                             .measured_speed = along,
+                                             .confidence = confidence(estimate)});
   base_lag_ = thesis_ ? 0.0 : base.lag;  // the thesis's law follows no base pose: it is only compared with it
-  return speed;
+  return base;
+}
+
+bool Opener::bar_turns(const Vector3d& bar, const HandWrench& wrench) noexcept {
+  const MechanismEstimate& estimate = estimator_.estimate();
+  if (bar.squaredNorm() < 0.5) return false;
+  if (!estimate.rigid_grasp) return true;
+  const double along = std::abs(estimate.curvature.dot(bar));
+  const bool flap = estimate.type == MechanismType::Hinge && along > kAlongBar * estimate.curvature.norm();
+  if (!flap || std::abs(bar.z()) > kLevel) return false;
+  held_fast_ = held_fast_ || std::abs(wrench.torque.dot(bar)) > kHeldTorque;
+  return !held_fast_;
 }
 
 void Opener::pivot_about(const Vector3d& axis, double leaf_turn, const Vector3d& correcting_turn, const Matrix3d& R,
                          WbcProblem& problem) const noexcept {
-  const bool upright = std::abs(axis.z()) > 0.7;
-  const double wanted = upright ? leaf_turn : std::clamp(-0.5 * leaf_turn, -kFlapTurn, kFlapTurn);
+  const double wanted = free_grip_turn(axis, leaf_turn);
   problem.free_axis = axis;
-  problem.free_axis_rate =
-      kPivotCentring * (wanted - log_so3(R * R_grasp_.transpose()).dot(axis)) - correcting_turn.dot(axis);
+  problem.free_axis_rate = free_grip_turn(axis, problem.tangential.tail<3>().dot(axis)) +
+                           kPivotCentring * (wanted - log_so3(R * R_grasp_.transpose()).dot(axis)) -
+                           correcting_turn.dot(axis);
 }
 
 void Opener::learn(const RobotState& state, const Kinematics& kin, const HandWrench& wrench,
@@ -144,68 +172,117 @@ void Opener::learn(const RobotState& state, const Kinematics& kin, const HandWre
                            .base_travel = std::abs(state.base_v) * dt});
 }
 
-EndDetector::Verdict Opener::step(const RobotState& state, const Kinematics& kin, const HandWrench& wrench,
-                                  WholeBodyController& controller, ClearanceChecker& clearance,
-                                  MissionRecord& record) noexcept {
-  const double dt = config_.period;
-  InputVector measured(kin.J.cols());
-  measured << state.dq, state.base_w, state.base_v;
-  const Vector6d V = kin.J * measured;
+// The whole body for a wanted hand speed along the way: base, believed scene, distance rows, hand twist.
+void Opener::move(const Tick& tick, const MechanismEstimate& estimate, const ForceCorrection& correction,
+                  double speed) noexcept {
+  const Kinematics& kin = tick.kin;
   const Matrix3d& R = kin.X_WE.linear();
-
-  // Feel and learn.
-  const bool pivots = !estimator_.estimate().rigid_grasp && bar_in_hand_.squaredNorm() > 0.5;
-  const Vector3d free_axis = pivots ? Vector3d(R * bar_in_hand_) : Vector3d(Vector3d::Zero());
-  // Torque is nulled about every axis: a grip that pivots shows its friction only, one falsely taken to pivot is saved by
-  // it.
-  const ForceCorrection correction = force_law_.step(wrench, estimator_.estimate().direction, Vector3d::Zero());
-  learn(state, kin, wrench, correction, V.head<3>());
-  const MechanismEstimate& estimate = estimator_.estimate();
+  InputVector measured(kin.J.cols());
+  measured << tick.state.dq, tick.state.base_w, tick.state.base_v;
   const Vector3d& x = estimate.direction;
   const Vector3d& k = estimate.curvature;
-  const double along = x.dot(V.head<3>());
+  const Vector3d bar = R * bar_in_hand_;
+  const bool turns = bar_turns(bar, tick.wrench);
   const Vector3d turned = leaf_turn(estimate);
-
-  // How fast, and where the base should be.
-  const double sure = confidence(estimate);
-  const double speed = drive(state, kin, correction, along, record.base);
+  MissionRecord& record = tick.record;
+  record.base = drive(tick, estimate, speed, x.dot((kin.J * measured).head<3>()));
 
   // What is near.
-  scene_.update(estimate, kin.X_WE.translation(), pivots ? turned : log_so3(R * R_grasp_.transpose()));
-  scene_.place(clearance);
+  scene_.update(estimate, kin.X_WE.translation(), turns ? turned : log_so3(R * R_grasp_.transpose()));
+  scene_.place(tick.clearance);
 
-  // The whole body.
   WbcProblem problem;
   problem.kinematics = &kin;
-  problem.q = &state.q;
+  problem.q = &tick.state.q;
   problem.measured = measured;
   problem.tangential << speed * x, speed * k;
   problem.correction << -correction.velocity, -correction.turn;
-  if (pivots) pivot_about(free_axis, turned.dot(free_axis), correction.turn, R, problem);
+  if (turns) pivot_about(bar, turned.dot(bar), correction.turn, R, problem);
   problem.base = record.base.twist;
-  problem.base_fixed = sure <= 0.0;
+  problem.base_fixed = confidence(estimate) <= 0.0;
   problem.keep_heading = straight_;
-  clearance.compute(model_, state.base, clearances_);
+  tick.clearance.compute(model_, tick.state.base, clearances_);
   problem.clearance = &clearances_;
   problem.leaf_velocity_at_hand = speed * x;
   problem.leaf_turn = speed * k;
   problem.leaf_obstacle = kLeafObstacle;
-  solve(problem, controller, record.solution);
+  solve(problem, tick.controller, record.solution);
 
   record.estimate = estimate;
   record.estimate.angle += opened_;
   record.wanted_speed = speed;
   record.reference = problem.tangential + problem.correction;
   record.clearance_min = *std::min_element(clearances_.smallest.begin(), clearances_.smallest.end());
-  return ends_.step({.dt = dt,
+}
+
+Vector3d Opener::hand_velocity(const Tick& tick) noexcept {
+  InputVector measured(tick.kin.J.cols());
+  measured << tick.state.dq, tick.state.base_w, tick.state.base_v;
+  return (tick.kin.J * measured).head<3>();
+}
+
+EndDetector::Verdict Opener::step(const Tick& tick) noexcept {
+  const Vector3d velocity = hand_velocity(tick);
+  // Torque is nulled about every axis: a grip that pivots shows its friction only, one falsely taken to pivot is saved by
+  // it.
+  const ForceCorrection correction = force_law_.step(tick.wrench, estimator_.estimate().direction, Vector3d::Zero());
+  learn(tick.state, tick.kin, tick.wrench, correction, velocity);
+  const MechanismEstimate& estimate = estimator_.estimate();
+  const double along = estimate.direction.dot(velocity);
+  const double speed = wanted_speed(correction, along);
+  move(tick, estimate, correction, speed);
+  return ends_.step({.dt = config_.period,
                      .speed = along,
                      .wanted_speed = speed,
                      .pull_force = correction.pull_force,
                      .running_force = speed_law_.running_force(),
                      .force_cap = force_cap(estimate),
-                     .speed_factor = record.solution.speed_factor,
-                     .binding = record.solution.binding},
-                    record.estimate);
+                     .speed_factor = tick.record.solution.speed_factor,
+                     .binding = tick.record.solution.binding},
+                    tick.record.estimate);
+}
+
+MechanismEstimate Opener::estimate_at(const Vector3d& hand) const noexcept {
+  MechanismEstimate out = estimator_.estimate();
+  const double kappa = out.curvature.norm();
+  if (out.type != MechanismType::Hinge || kappa < kLeastCurvature) {
+    out.arc = out.direction.dot(hand - taken_at_);
+    return out;
+  }
+  const Vector3d axis = out.curvature / kappa;
+  const Vector3d centre = out.point + out.curvature.cross(out.direction) / (kappa * kappa);
+  const auto arm = [&](const Vector3d& p) -> Vector3d { return p - centre - axis * axis.dot(p - centre); };
+  const Vector3d from = arm(taken_at_);
+  const Vector3d to = arm(hand);
+  out.direction = axis.cross(to).normalized();
+  out.angle = std::atan2(axis.dot(from.cross(to)), from.dot(to));
+  out.arc = out.angle / kappa;
+  return out;
+}
+
+std::optional<FeltMechanism> Opener::felt() const noexcept {
+  const MechanismEstimate& estimate = estimator_.estimate();
+  const double kappa = estimate.curvature.norm();
+  const bool known = estimate.type != MechanismType::Unknown && estimate.arc > kKnownArc &&
+                     estimate.direction_sigma < kKnownDirection &&
+                     estimate.curvature_sigma < kKnownCurvature * std::max(1.0, kappa);
+  if (!known || thesis_) return std::nullopt;
+  const MechanismEstimate closed = estimate_at(taken_at_);
+  const bool hinge = estimate.type == MechanismType::Hinge;
+  if (hinge && kappa < config_.estimator.hinge_curvature) return std::nullopt;  // flatter than any: not yet learnt
+  return FeltMechanism{.direction = closed.direction,
+                       .curvature = hinge ? closed.curvature : Vector3d(Vector3d::Zero()),
+                       .bar_turns = !estimate.rigid_grasp};
+}
+
+bool Opener::step_back(const Tick& tick) noexcept {
+  const MechanismEstimate estimate = estimate_at(tick.kin.X_WE.translation());
+  const ForceCorrection correction = force_law_.step(tick.wrench, estimate.direction, Vector3d::Zero());
+  const double strength = std::clamp((kBackForce + correction.pull_force) / (0.5 * kBackForce), 0.0, 1.0);
+  move(tick, estimate, correction, -kBackSpeed * strength * waiting_share(base_lag_));
+  const bool still = std::abs(estimate.direction.dot(hand_velocity(tick))) < kBackStillSpeed;
+  back_still_ = still ? back_still_ + config_.period : 0.0;
+  return estimate.arc < kBackAtStart || back_still_ > kBackStillTime;
 }
 
 }  // namespace ajar

@@ -20,22 +20,22 @@ bool Mission::Impl::found_to_open_away(EndDetector::Verdict verdict) noexcept {
   const MechanismEstimate& e = record.estimate;
   // What the leaf has moved altogether counts as well: probing and starting anew begin the estimate anew.
   const Vector3d moved = record.kinematics.X_WE.translation() - taken_at.translation();
-  const bool felt = e.fitted && e.arc > kAwayArc;
-  const bool away = felt ? e.direction.dot(handle.normal) < kAwayCosine : moved.dot(handle.normal) < -kAwayArc;
+  const bool known = e.fitted && e.arc > kAwayArc;
+  const bool away = known ? e.direction.dot(handle.normal) < kAwayCosine : moved.dot(handle.normal) < -kAwayArc;
   if (!away || handle.passage) return false;
   if (!handle.doorway) {
     process(Event::Ended, EndReason::OpensAway);
     return true;
   }
   const HingeSide turns = e.curvature.z() < 0.0 ? HingeSide::Right : HingeSide::Left;
-  const HingeSide side = felt ? turns : likely_side(handle);
-  const bool sure = felt && std::abs(e.curvature.z()) > kSideSigmas * e.curvature_sigma && side == likely_side(handle);
+  const HingeSide side = known ? turns : likely_side(handle);
+  const bool sure = known && std::abs(e.curvature.z()) > kSideSigmas * e.curvature_sigma && side == likely_side(handle);
   if (!sure && e.arc < kFeelArc && verdict == EndDetector::Verdict::Going) return false;
   felt_side = side;
   if (const std::optional<Passage> passage = make_passage(handle, side)) {
     // A chord points as the path does at its middle.
-    misreading = felt ? felt_misreading(handle, *passage, e.direction, e.arc)
-                      : felt_misreading(handle, *passage, moved, 0.5 * moved.norm());
+    misreading = known ? felt_misreading(handle, *passage, e.direction, e.arc)
+                       : felt_misreading(handle, *passage, moved, 0.5 * moved.norm());
   }
   probes = 0;
   process(Event::Rechoose);

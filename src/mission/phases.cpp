@@ -38,13 +38,13 @@ constexpr double kShutTime = 5.0;        // way back to where the leaf was taken
 constexpr double kShut = 5e-3;           // nearer than this to that place it is shut [m]
 constexpr double kLightForce = 1.5;      // three deviations of noise and drift of the sensor after a minute [N]
 constexpr double kOpenFingerTime = 0.6;  // [s]
-constexpr double kWithdraw = 0.12;       // the hand leaves the handle by this much [m]
+constexpr double kWithdraw = 0.15;       // the hand leaves the handle by this much [m]
 constexpr double kFoldStep = 0.05;       // 5 cm of a stretched arm [rad]
-constexpr double kOffLeaf = 0.03;        // and the leaf: open fingers round a bar stand nearly as far as its standoff [m]
 constexpr double kRetreatWay = 0.3;      // [m]
 constexpr double kRetreatSpeed = 0.15;   // [m/s]
 constexpr double kRetreatGap = 0.06;     // nearer than this to wall or leaf the base stays [m]
 constexpr double kRetreatTime = 5.0;     // [s]
+constexpr std::uint64_t kSecondDraw = 1000;  // added to the seed of the choice: another draw than any posture search had
 
 }  // namespace
 
@@ -58,6 +58,7 @@ void Mission::Impl::choose(const RobotState& state) {
   if (time_in_phase < kLookTime) return;
   handle = seen();
   if (felt_side) handle.passage = make_passage(handle, *felt_side);
+  handle.felt = felt;
   if (handle.thickness <= 0.0 || handle.thickness > model.gripper_stroke()) {
     detail = handle.thickness <= 0.0 ? std::string("nothing to grip: flush with the leaf")
                                      : fmt::format("nothing to grip: {:.3f} m thick, the fingers open to {:.3f} m",
@@ -73,6 +74,8 @@ void Mission::Impl::choose(const RobotState& state) {
     return;
   }
   candidate = 0;
+  tried = 0;
+  drawn_anew = false;
   process(Event::Chosen);
 }
 
@@ -98,12 +101,18 @@ void Mission::Impl::approach(const RobotState& state) {
 }
 
 void Mission::Impl::next_candidate(const RobotState&) {
-  if (++candidate < candidates.size()) {
-    process(Event::NextPose);
-  } else {
-    if (detail.empty()) detail = fmt::format("no posture is good enough from any of {} base poses", candidates.size());
-    process(Event::GaveUp, EndReason::Unreachable);
+  ++tried;
+  if (++candidate >= candidates.size() && !drawn_anew) {
+    drawn_anew = true;  // other postures, for the handle as it is known from near
+    candidates = planner.choose(handle, seed + kSecondDraw, nullptr);
+    candidate = 0;
   }
+  if (candidate < candidates.size()) {
+    process(Event::NextPose);
+    return;
+  }
+  if (detail.empty()) detail = fmt::format("no posture is good enough from any of {} base poses", tried);
+  process(Event::GaveUp, EndReason::Unreachable);
 }
 
 void Mission::Impl::start_reach(const RobotState& state) {
@@ -171,14 +180,14 @@ void Mission::Impl::solve_hand_twist(const RobotState& state, const Vector6d& tw
   command_solution();
 }
 
-double Mission::Impl::move_hand(const RobotState& state, const Pose& target, double speed) noexcept {
+double Mission::Impl::move_hand(const RobotState& state, const Pose& target, double speed, bool base_fixed) noexcept {
   const Pose& hand = record.kinematics.X_WE;
   const Vector3d error = target.translation() - hand.translation();
   Vector3d v = kHandGain * error;
   if (v.norm() > speed) v *= speed / v.norm();
   Vector6d twist;
   twist << v, kHandGain * log_so3(target.linear() * hand.linear().transpose());
-  solve_hand_twist(state, twist);
+  solve_hand_twist(state, twist, base_fixed);
   return error.norm();
 }
 
@@ -209,10 +218,11 @@ void Mission::Impl::close_fingers(const RobotState& state) noexcept {
   if (state.gripper_opening > kHeldOpening) {
     direction = guess.value_or(handle.normal);
     if (handle.passage) direction = passage_direction(handle, *handle.passage);
+    if (felt) direction = felt->direction;
     taken_at = record.kinematics.X_WE;
     opener.start(state, record.kinematics, handle, direction, moving_force);
     record.estimate = opener.estimate();
-    process(guess || handle.passage ? Event::Held : Event::HeldBlind);
+    process(guess || handle.passage || felt ? Event::Held : Event::HeldBlind);
     return;
   }
   command.gripper_closed = false;
@@ -240,9 +250,9 @@ void Mission::Impl::open(const RobotState& state) noexcept {
     process(Event::Fault, EndReason::GraspLost);
     return;
   }
-  const EndDetector::Verdict verdict = opener.step(state, record.kinematics, record.wrench, controller, clearance, record);
+  const EndDetector::Verdict verdict = opener.step(tick(state));
   command_solution();
-  if (found_to_open_away(verdict)) return;
+  if (found_to_open_away(verdict) || better_held_otherwise(verdict)) return;
   switch (verdict) {
     case EndDetector::Verdict::Going: break;
     case EndDetector::Verdict::Goal: process(Event::Ended, EndReason::GoalReached); break;
@@ -256,7 +266,10 @@ void Mission::Impl::open(const RobotState& state) noexcept {
       break;
     case EndDetector::Verdict::TooHeavy: process(Event::Ended, EndReason::NeedsMoreForce); break;
     case EndDetector::Verdict::Stalled: process(Event::Ended, EndReason::Stalled); break;
-    case EndDetector::Verdict::ClearanceStop: process(Event::Ended, EndReason::ClearanceStop); break;
+    case EndDetector::Verdict::ClearanceStop:
+      if (opener.clearances().count > 0) fence = opener.clearances().rows[0];
+      process(Event::Ended, EndReason::ClearanceStop);
+      break;
   }
 }
 
@@ -274,10 +287,11 @@ bool Mission::Impl::let_go(const RobotState& state, double give_time) noexcept {
     solve_hand_twist(state, give, false);
     command.gripper_closed = given_until == 0.0;
     clear_pose = record.kinematics.X_WE;
-    clear_pose.translation() += kOffLeaf * opener.scene().leaf_normal() - kWithdraw * clear_pose.linear().col(2);
+    if (given_until > 0.0) clear_pose.translation() += kWithdraw * way_out(state);
     return false;
   }
-  const double left = move_hand(state, clear_pose, kHandSpeed);
+  // An arm that has no room left draws back with the base.
+  const double left = move_hand(state, clear_pose, kHandSpeed, false);
   return left < 5.0 * kAtHandle || time_in_phase > kAdvanceTime + given_until;
 }
 
@@ -337,6 +351,11 @@ bool Mission::Impl::shut(const RobotState& state) noexcept {
 
 // Lets go and folds the arm for the drive to another place.
 void Mission::Impl::regrasp(const RobotState& state) {
+  if (felt && !led_back) {
+    led_back = lead_back(state);
+    if (led_back) time_in_phase = 0.0;
+    return;
+  }
   if (!is_shut) {
     is_shut = shut(state);
     if (is_shut) time_in_phase = 0.0;

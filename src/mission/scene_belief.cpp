@@ -100,4 +100,10 @@ void SceneBelief::place(ClearanceChecker& checker, bool hand_near) const noexcep
   checker.set_obstacle(kLeafObstacle, leaf_, hand_near);
 }
 
+void SceneBelief::place_leaf_moved(ClearanceChecker& checker, const Vector3d& shift) const noexcept {
+  Box leaf = leaf_;
+  leaf.pose.translation() += shift;
+  checker.set_obstacle(kLeafObstacle, leaf, false);
+}
+
 }  // namespace ajar

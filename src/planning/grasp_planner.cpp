@@ -299,6 +299,12 @@ std::vector<GraspCandidate> GraspPlanner::choose(const HandleBelief& belief, std
   return out;
 }
 
+double GraspPlanner::value_for_felt(const HandleBelief& belief, const GraspCandidate& candidate) const noexcept {
+  if (!belief.felt) return candidate.value;
+  const MechanismHypothesis hypothesis = felt_hypothesis(belief, *belief.felt, impl_->config);
+  return impl_->roll_out.run(belief, hypothesis, candidate.base, candidate.grasp, kHopeless).value;
+}
+
 bool GraspPlanner::choose_posture(const HandleBelief& belief, const BasePose& base, std::uint64_t seed,
                                   GraspCandidate& candidate) const {
   const bool placed = std::isfinite(base.x) && std::isfinite(base.y) && std::isfinite(base.yaw);

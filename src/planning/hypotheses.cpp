@@ -14,6 +14,11 @@ namespace {
 constexpr double kUpright = 0.7071;
 // Below this curvature the chord formulas lose digits; the arc is then straight to 1e-9 m per metre [1/m].
 constexpr double kStraight = 1e-9;
+// A hand that goes round with a flap would have to hold its bar from below: it follows a third of the way, which leaves
+// room between its open fingers and the leaf.
+constexpr double kFlapShare = 0.3;
+// A slide within 45 degrees of the leaf's normal is a drawer.
+constexpr double kOutward = 0.7071;
 // A leaf that already stands open is still pushed by this much [rad].
 constexpr double kLeastAngle = 0.2;
 
@@ -68,8 +73,24 @@ HypothesisPoint point_at(const MechanismHypothesis& hypothesis, double arc) noex
   return out;
 }
 
+double free_grip_turn(const Vector3d& bar, double leaf_turn) noexcept {
+  return std::abs(bar.z()) > kUpright ? leaf_turn : kFlapShare * leaf_turn;
+}
+
+MechanismHypothesis felt_hypothesis(const HandleBelief& belief, const FeltMechanism& felt, const PlannerConfig& config) {
+  MechanismHypothesis out;
+  out.direction = felt.direction;
+  out.curvature = felt.curvature;
+  const double kappa = felt.curvature.norm();
+  const bool drawer = std::abs(felt.direction.dot(belief.normal)) > kOutward;
+  out.travel = kappa > kStraight ? config.hinge_angle / kappa : (drawer ? config.drawer_travel : config.sliding_travel);
+  if (felt.bar_turns && belief.bar.norm() > 0.5) out.free_axis = belief.bar.normalized();
+  return out;
+}
+
 std::vector<MechanismHypothesis> make_hypotheses(const HandleBelief& belief, const PlannerConfig& config) {
   if (belief.passage) return {pushed(belief, *belief.passage, config.hinge_angle)};
+  if (belief.felt) return {felt_hypothesis(belief, *belief.felt, config)};
   const Vector3d n = Vector3d(belief.normal.x(), belief.normal.y(), 0.0).normalized();
   const Vector3d side = Vector3d::UnitZ().cross(n);
   const bool knob = belief.bar.norm() < 0.5;

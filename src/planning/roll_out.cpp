@@ -48,7 +48,6 @@ constexpr double kStallSpeed = 0.004;  // [m/s]
 constexpr double kPathGain = 2.0;      // of the roll-out's path error, in place of the force law [1/s]
 // A free grip is brought weakly to where it hinders least (as the loop does).
 constexpr double kPivotCentring = 0.3;  // [1/s]
-constexpr double kFlapTurn = 0.6;       // [rad]
 
 WbcConfig roll_out_limits(WbcConfig config) {
   config.base_share = 1.0;  // the model's base does what it is told, without lag
@@ -186,8 +185,9 @@ void RollOut::pose_problem(const MechanismHypothesis& hypothesis, const Motion& 
   if (hypothesis.free_axis.squaredNorm() == 0.0) return;
   const Matrix3d turned = kinematics_.X_WE.linear() * motion.R0.transpose();
   problem.free_axis = turned * hypothesis.free_axis;
-  const double wanted = std::clamp(-0.5 * point.turned.dot(problem.free_axis), -kFlapTurn, kFlapTurn);
-  problem.free_axis_rate = kPivotCentring * (wanted - log_so3(turned).dot(problem.free_axis));
+  const double wanted = free_grip_turn(problem.free_axis, point.turned.dot(problem.free_axis));
+  problem.free_axis_rate = free_grip_turn(problem.free_axis, problem.tangential.tail<3>().dot(problem.free_axis)) +
+                           kPivotCentring * (wanted - log_so3(turned).dot(problem.free_axis));
 }
 
 RollOutResult RollOut::run(const HandleBelief& belief, const MechanismHypothesis& hypothesis, const BasePose& base,

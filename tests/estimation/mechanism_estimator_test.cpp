@@ -119,6 +119,16 @@ TEST(MechanismEstimator, NoticesAPivotingGripAndNeverCallsItASlide) {
   EXPECT_LT(percentile(found, 0.9), 0.2);
 }
 
+TEST(MechanismEstimator, AGripThatIsKnownToPivotIsNeverTakenAsRigid) {
+  MechanismEstimator estimator{EstimatorConfig{}};
+  const Vector3d curvature(0.0, 0.0, 2.0);
+  estimator.reset(Pose::Identity(), Vector3d::UnitX(), curvature, true);
+  EXPECT_FALSE(estimator.estimate().rigid_grasp);
+  EXPECT_EQ(estimator.estimate().curvature, curvature);
+  estimator.reset(Pose::Identity(), Vector3d::UnitX());
+  EXPECT_TRUE(estimator.estimate().rigid_grasp);
+}
+
 TEST(MechanismEstimator, TellsOfASlipInTheGripAndGoesOn) {
   Random rng(27);
   EstimatorConfig config;

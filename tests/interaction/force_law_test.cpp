@@ -246,6 +246,22 @@ TEST(SpeedLaw, GivesWayAboveTheRunningForce) {
   EXPECT_NEAR(law.step(input), config.speed - config.give_gain * 5.0, 6e-4);
 }
 
+TEST(SpeedLaw, ABlowHardlyRaisesTheRunningForce) {
+  const ForceLawConfig config;
+  SpeedLaw law(config, kPeriod, 0.0);
+  SpeedInput input;
+  input.confidence = 1.0;
+  input.pull_force = 45.0;
+  for (int tick = 0; tick < 5000; ++tick) {
+    input.measured_speed = law.step(input);
+  }
+  const double before = law.running_force();
+  input.pull_force = 150.0;
+  for (int tick = 0; tick < 50; ++tick) (void)law.step(input);  // 0.1 s in which the measured speed has not fallen yet
+  EXPECT_GT(law.running_force(), before);
+  EXPECT_LT(law.running_force(), before + 0.1 * config.give_margin + 1e-9);
+}
+
 TEST(SpeedLaw, RunningForceWaitsForMotion) {
   SpeedLaw law({}, kPeriod, 0.0);
   SpeedInput input;

@@ -90,6 +90,22 @@ TEST(EndDetector, AStandstillNearTheStartIsBlocked) {
   EXPECT_EQ(hold(ends, {.speed = 0.0, .pull_force = 44.0}, travelled(0.0), 10.0).first, Verdict::Blocked);
 }
 
+// Jerks faster than any standstill, and nothing gained: 3 mm on, 3 mm back, the limit changing from tick to tick.
+TEST(EndDetector, JerkingAtAClearanceIsBeingHeldByIt) {
+  EndDetector ends(EndConfig{}, GoalConfig{}, 45.0);
+  EndInput in{.pull_force = 2.0, .running_force = 2.0};
+  EndDetector::Verdict verdict = Verdict::Going;
+  double time = 0.0;
+  for (int tick = 0; time < 30.0 && verdict == Verdict::Going; ++tick, time += in.dt) {
+    in.speed = std::fmod(time, 0.4) < 0.2 ? 0.015 : -0.015;
+    in.speed_factor = std::fmod(time, 0.4) < 0.2 ? 0.3 : 0.0;
+    in.binding = tick % 4 == 0 ? BindingLimit::JointAcceleration : BindingLimit::Clearance;
+    verdict = ends.step(in, travelled(0.3));
+  }
+  EXPECT_EQ(verdict, Verdict::ClearanceStop);
+  EXPECT_NEAR(time, EndConfig{}.stalled_time, 1.0);
+}
+
 TEST(EndDetector, AStandstillWithoutForceIsStalledOrHeldByAClearance) {
   EndDetector ends(EndConfig{}, GoalConfig{}, 45.0);
   EXPECT_EQ(hold(ends, {.speed = 0.0, .pull_force = 2.0, .running_force = 2.0}, travelled(0.2), 20.0).first,

@@ -27,6 +27,28 @@ TEST(SceneBelief, KeepsTheCameraNormalUntilTheFitIsSure) {
   EXPECT_LT((scene.normal() - belief.normal).norm(), 1e-12);
 }
 
+// The box behind the handle, moved away from a hand before it: the distance grows by as much.
+TEST(SceneBelief, TheLeafCanBeLookedAtFromFartherAway) {
+  const RobotModel robot = load_robot("heron");
+  Kinematics kin;
+  robot.compute({}, robot.home(), kin);
+  HandleBelief belief;
+  belief.position = kin.X_WE.translation() + Vector3d(0.03, 0.0, 0.0);
+  belief.normal = -Vector3d::UnitX();
+  SceneBelief scene;
+  scene.reset(belief);
+  ClearanceChecker checker(robot, ClearanceConfig{});
+  ClearanceResult result;
+  const auto distance = [&](double away) {
+    scene.place_leaf_moved(checker, Vector3d(away, 0.0, 0.0));
+    checker.compute(robot, {}, result);
+    return result.smallest[static_cast<std::size_t>(ClearanceKind::ArmWorld)];
+  };
+  const double near = distance(0.0);
+  EXPECT_GT(near, 0.0);
+  EXPECT_NEAR(distance(0.02) - near, 0.02, 1e-6);
+}
+
 TEST(SceneBelief, TheFitCorrectsAWrongNormal) {
   // Hinge at +x seen from -y, handle 6 cm before the plane of the axis: the true normal is -y.
   const double radius = 0.8;

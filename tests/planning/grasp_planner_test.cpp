@@ -145,6 +145,21 @@ TEST_F(GraspPlannerTest, ArrivalErrorsAreTakenUp) {
   EXPECT_EQ(accepted, 2);
 }
 
+// A flap of 0.42 m at knee height ends 0.38 m above the floor: no grasp that must also suit doors opens it wholly.
+TEST_F(GraspPlannerTest, AFeltFlapIsTakenSoThatItOpensWholly) {
+  HandleBelief belief = handle(0.80, kLevel);
+  const std::vector<GraspCandidate> unknown = planner_.choose(belief, 7);
+  ASSERT_FALSE(unknown.empty());
+  belief.felt = FeltMechanism{.direction = belief.normal, .curvature = -kLevel / 0.42, .bar_turns = true};
+  const std::vector<GraspCandidate> known = planner_.choose(belief, 7);
+  ASSERT_FALSE(known.empty());
+  const double value = planner_.value_for_felt(belief, known.front());
+  EXPECT_GE(value, known.front().value - 1e-9);  // which is the worst of that and of disturbed placements
+  EXPECT_GT(value, planner_.value_for_felt(belief, unknown.front()));
+  const MechanismHypothesis flap = make_hypotheses(belief, quick()).front();
+  EXPECT_GE(roll_out_.run(belief, flap, known.front().base, known.front().grasp, -1e9).fraction, 0.99);
+}
+
 TEST_F(GraspPlannerTest, PoseTwoMetresAwayIsRefused) {
   const HandleBelief belief = handle(1.0, kUpright);
   const std::vector<GraspCandidate> found = planner_.choose(belief, 3);

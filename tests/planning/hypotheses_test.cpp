@@ -75,6 +75,33 @@ TEST(Hypotheses, FlapGoesDownAndTowardsTheRobot) {
   }
 }
 
+TEST(Hypotheses, WhatWasFeltIsTheOnlyOne) {
+  HandleBelief belief = handle(Vector3d(0.8, 0.6, 0.0));
+  const PlannerConfig config;
+  // A flap of 0.4 m: it opens along the normal, about the bar's direction.
+  belief.felt = FeltMechanism{.direction = belief.normal, .curvature = -belief.bar / 0.4, .bar_turns = true};
+  std::vector<MechanismHypothesis> all = make_hypotheses(belief, config);
+  ASSERT_EQ(all.size(), 1U);
+  EXPECT_NEAR(all[0].travel, 0.4 * config.hinge_angle, 1e-12);
+  EXPECT_LT((all[0].free_axis - belief.bar).norm(), 1e-12);
+  EXPECT_FALSE(all[0].soft);
+  // Slides: outwards as far as a drawer, along the wall as far as a sliding door; a grip held fast has no free axis.
+  belief.felt = FeltMechanism{.direction = belief.normal};
+  EXPECT_EQ(make_hypotheses(belief, config).front().travel, config.drawer_travel);
+  EXPECT_EQ(make_hypotheses(belief, config).front().free_axis.norm(), 0.0);
+  belief.felt = FeltMechanism{.direction = belief.bar};
+  EXPECT_EQ(make_hypotheses(belief, config).front().travel, config.sliding_travel);
+}
+
+TEST(Hypotheses, AHandOnAFreeBarFollowsADoorWhollyAndAFlapInPart) {
+  for (const double turn : {-1.2, 0.3, 1.5}) {
+    EXPECT_EQ(free_grip_turn(Vector3d::UnitZ(), turn), turn);
+    const double part = free_grip_turn(Vector3d::UnitX(), turn) / turn;
+    EXPECT_GT(part, 0.0);
+    EXPECT_LT(part, 0.5);  // at a right angle it still comes from the front
+  }
+}
+
 TEST(GraspOrientation, HandMeetsTheLeafWithTheFingersAcrossTheBar) {
   for (const Vector3d& bar : {Vector3d(0, 0, 1), Vector3d(0.8, 0.6, 0), Vector3d(0, 0, 0), Vector3d(0.3, 0.2, 0.8)}) {
     const HandleBelief belief = handle(bar);

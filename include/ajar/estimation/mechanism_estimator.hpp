@@ -56,7 +56,9 @@ class MechanismEstimator {
   ~MechanismEstimator();
 
   /// Starts anew at a hand pose with a guess of the direction (unit) and curvature.
-  void reset(const Pose& hand, const Vector3d& direction_guess, const Vector3d& curvature_guess = Vector3d::Zero()) noexcept;
+  /// @param bar_turns  The grip is known to pivot: positions only
+  void reset(const Pose& hand, const Vector3d& direction_guess, const Vector3d& curvature_guess = Vector3d::Zero(),
+             bool bar_turns = false) noexcept;
 
   /// One tick. No allocation, no exception, bounded time.
   [[nodiscard]] EstimatorStatus update(const EstimatorInput& input) noexcept;

@@ -54,7 +54,8 @@ class EndDetector {
   double drift_ = 0.0;
   double force_ = 0.0;
   double still_ = 0.0;
-  double held_ = 0.0;
+  double stuck_ = 0.0;  // without gain
+  double held_ = 0.0;   // of that with a clearance as the limit
   double pressed_ = 0.0;
   double leaning_ = 0.0;
 };

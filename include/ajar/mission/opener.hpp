@@ -23,12 +23,29 @@ class Opener {
   /// @param force  Pull that the first centimetres may take: what probing needed, 0 = the start force [N]
   void redirect(const Kinematics& kinematics, const Vector3d& direction, double force = 0.0) noexcept;
 
-  /// One tick of opening: fills estimate, reference, base and solution of the record. With the thesis's law the controller
-  /// only learns what was commanded, so that it can go on from there.
-  /// No allocation, no exception, bounded time.
-  [[nodiscard]] EndDetector::Verdict step(const RobotState& state, const Kinematics& kinematics, const HandWrench& wrench,
-                                          WholeBodyController& controller, ClearanceChecker& clearance,
-                                          MissionRecord& record) noexcept;
+  /// What one tick works on.
+  struct Tick {
+    const RobotState& state;
+    const Kinematics& kin;
+    const HandWrench& wrench;
+    WholeBodyController& controller;
+    ClearanceChecker& clearance;
+    MissionRecord& record;  ///< Its estimate, reference, base and solution are filled
+  };
+
+  /// One tick of opening. With the thesis's law the controller only learns what was commanded, so that it can go on from
+  /// there. No allocation, no exception, bounded time.
+  [[nodiscard]] EndDetector::Verdict step(const Tick& tick) noexcept;
+
+  /// One tick of leading the handle back along the way that was felt, by the same laws; nothing is learnt.
+  /// @return true once it is where it was taken, or stands still. No allocation, no exception, bounded time.
+  [[nodiscard]] bool step_back(const Tick& tick) noexcept;
+
+  /// Distances of the last tick.
+  [[nodiscard]] const ClearanceResult& clearances() const noexcept { return clearances_; }
+
+  /// The mechanism, once its type and way are known well enough to judge a grasp by. No exception.
+  [[nodiscard]] std::optional<FeltMechanism> felt() const noexcept;
 
   /// Force that the motion needed so far [N].
   [[nodiscard]] double running_force() const noexcept { return speed_law_.running_force(); }
@@ -43,10 +60,16 @@ class Opener {
   /// Tells the estimator what the hand did and felt in this tick. @param velocity  Of the hand, world axes [m/s]
   void learn(const RobotState& state, const Kinematics& kinematics, const HandWrench& wrench,
              const ForceCorrection& correction, const Vector3d& velocity) noexcept;
-  /// Runs the laws of speed and base for the present estimate. @param along  Measured hand speed along it [m/s]
-  /// @return wanted hand speed [m/s]
-  double drive(const RobotState& state, const Kinematics& kinematics, const ForceCorrection& correction, double along,
-               BaseLawOutput& base) noexcept;
+  /// @param along  Measured hand speed along the way [m/s]
+  double wanted_speed(const ForceCorrection& correction, double along) noexcept;
+  BaseLawOutput drive(const Tick& tick, const MechanismEstimate& estimate, double speed, double along) noexcept;
+  void move(const Tick& tick, const MechanismEstimate& estimate, const ForceCorrection& correction, double speed) noexcept;
+  [[nodiscard]] static Vector3d hand_velocity(const Tick& tick) noexcept;
+  /// What was felt, as it is at another place of the way. @param hand  [m]
+  [[nodiscard]] MechanismEstimate estimate_at(const Vector3d& hand) const noexcept;
+  /// Whether the bar turns in the fingers, as far as is known. (docs/equations.md#free-grip)
+  /// @param bar  Its direction now, unit; zero = no bar
+  [[nodiscard]] bool bar_turns(const Vector3d& bar, const HandWrench& wrench) noexcept;
   /// Lets the hand turn about the bar that it holds. @param axis  Of the bar, unit, world axes
   /// @param leaf_turn  Of the leaf about it since the grasp [rad]  @param R  Hand to world
   void pivot_about(const Vector3d& axis, double leaf_turn, const Vector3d& correcting_turn, const Matrix3d& R,
@@ -67,8 +90,12 @@ class Opener {
   Matrix3d R_grasp_ = Matrix3d::Identity();
   Vector3d bar_in_hand_ = Vector3d::Zero();
   double base_lag_ = 0.0;
-  bool straight_ = false;  // the base keeps to a line
-  double opened_ = 0.0;    // how far the leaf stood open when it was taken hold of
+  Vector3d taken_at_ = Vector3d::Zero();  // where the hand took hold [m]
+  FeltMechanism felt_;                    // what was known of the mechanism then
+  double back_still_ = 0.0;               // standing on the way back [s]
+  bool straight_ = false;                 // the base keeps to a line
+  bool held_fast_ = false;                // the grip resisted a turn about the bar
+  double opened_ = 0.0;                   // how far the leaf stood open when it was taken hold of
   double start_force_ = 0.0;
 };
 

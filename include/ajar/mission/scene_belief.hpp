@@ -30,6 +30,9 @@ class SceneBelief {
   /// @param hand_near  The hand may touch them: it holds the handle, or is about to
   void place(ClearanceChecker& checker, bool hand_near = true) const noexcept;
 
+  /// Writes the leaf alone into the checker, moved by `shift` [m], with nothing that may touch it. No allocation.
+  void place_leaf_moved(ClearanceChecker& checker, const Vector3d& shift) const noexcept;
+
   /// Outward normal of the wall at the closed handle, unit.
   [[nodiscard]] const Vector3d& normal() const noexcept { return belief_.normal; }
   /// Outward normal of the leaf as it stands, unit.

@@ -26,8 +26,19 @@ struct HypothesisPoint {
 };
 [[nodiscard]] HypothesisPoint point_at(const MechanismHypothesis& hypothesis, double arc) noexcept;
 
+/// Turn about a bar in the fingers that a hand should have made when the leaf has turned: with an upright bar that of the
+/// leaf, with a level one part of it, or it would end up under the bar. (docs/equations.md#free-grip)
+/// @param bar        Unit, world axes
+/// @param leaf_turn  Of the leaf about it since the grasp [rad]
+[[nodiscard]] double free_grip_turn(const Vector3d& bar, double leaf_turn) noexcept;
+
+/// The mechanism that was felt, as the only hypothesis. @param felt  belief.felt
+[[nodiscard]] MechanismHypothesis felt_hypothesis(const HandleBelief& belief, const FeltMechanism& felt,
+                                                  const PlannerConfig& config);
+
 /// Everything that a handle like this may belong to: hinges on both sides, a drawer, and by the bar's direction sliding
-/// doors or a flap; hardest first. With a passage only the leaf that is to be pushed. (docs/equations.md#choice)
+/// doors or a flap; hardest first. With a passage only the leaf that is to be pushed, once felt only what was felt.
+/// (docs/equations.md#choice)
 [[nodiscard]] std::vector<MechanismHypothesis> make_hypotheses(const HandleBelief& belief, const PlannerConfig& config);
 
 }  // namespace ajar

@@ -21,7 +21,7 @@ struct WbcConfig {
   double singular_damping = 3.0;    ///< At σ_min = 0 [-]
   double base_share =
       0.25;  ///< ρ_b: part of the base motion taken as commanded, the rest as measured (physics: slow base) [-]
-  double free_axis_weight = 0.2;       ///< Of the weak turn about a free grip axis [-]
+  double free_axis_weight = 1.0;       ///< Of the weak turn about a free grip axis [-]
   double rate_scale = 0.32;            ///< Joint rates used, share of the limit [-]
   double joint_acceleration = 8.0;     ///< Upper bound on the model's own limit [rad/s²]
   double base_forward = 0.5;           ///< [m/s]

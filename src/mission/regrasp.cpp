@@ -1,0 +1,82 @@
+// What the way that was felt says about the grasp, and the way back to take the handle anew.
+#include "mission_impl.hpp"
+
+#include <algorithm>
+#include <array>
+
+namespace ajar {
+namespace {
+
+// A roll-out worth less falls short of the end: a tenth of the travel, or an arm without any manoeuvring room.
+constexpr double kWorthHolding = -0.01;
+// Judged so often while the estimate still grows; once good is good.
+constexpr int kJudgements = 3;
+constexpr double kFirstJudgement = 0.15;  // of arc [m]
+constexpr double kJudgementStep = 0.025;  // [m]
+constexpr double kBackTime = 40.0;        // a metre at 10 cm/s, waiting for the base as long again and more [s]
+
+// The hand leaves in the first direction that keeps this from the leaf, from where the fingers are off the bar on.
+constexpr double kFreeWay = 0.03;                      // the stop distance of the arm's rows [m]
+constexpr std::array kWayPoints = {0.05, 0.08, 0.12};  // [m]
+
+}  // namespace
+
+// A direction in which the open hand comes away from the leaf as it stands: along its own axis if it can, else turned away
+// from the leaf or from the wall. Judged with the leaf moving the other way, which is the same. (docs/equations.md#way-out)
+Vector3d Mission::Impl::way_out(const RobotState& state) noexcept {
+  const Vector3d back = -record.kinematics.X_WE.linear().col(2);
+  const Vector3d off = opener.scene().leaf_normal();
+  const Vector3d& out = opener.scene().normal();
+  const std::array<Vector3d, 5> ways{back, (back + off).normalized(), (out + off).normalized(), off, out};
+  Vector3d best = back;
+  double most = -1.0;
+  for (const Vector3d& way : ways) {
+    double room = kFreeWay;
+    for (const double s : kWayPoints) {
+      opener.scene().place_leaf_moved(clearance, -s * way);
+      clearance.compute(model, state.base, clearances);
+      room = std::min(room, clearances.smallest[static_cast<std::size_t>(ClearanceKind::ArmWorld)]);
+    }
+    if (room > most + 1e-3) {
+      most = room;
+      best = way;
+    }
+  }
+  return best;
+}
+
+Opener::Tick Mission::Impl::tick(const RobotState& state) noexcept {
+  return {state, record.kinematics, record.wrench, controller, clearance, record};
+}
+
+// The grasp was chosen for all that might have been behind the handle. Once the way is known it is judged by that alone,
+// when it is first known and again when it stands still short of its end; and taken anew once if it falls short.
+// (docs/equations.md#regrasp)
+bool Mission::Impl::better_held_otherwise(EndDetector::Verdict verdict) noexcept {
+  const bool stands = verdict == EndDetector::Verdict::ClearanceStop || verdict == EndDetector::Verdict::Stalled;
+  const double due = kFirstJudgement + judgements * kJudgementStep;
+  const bool judge = verdict == EndDetector::Verdict::Going && judgements < kJudgements && record.estimate.arc > due;
+  if (felt || handle.passage || !(stands || judge)) return false;
+  const std::optional<FeltMechanism> mechanism = opener.felt();
+  if (!mechanism) return false;
+  if (judge) {
+    HandleBelief known = handle;
+    known.felt = mechanism;
+    const bool good = planner.value_for_felt(known, chosen) >= kWorthHolding;
+    judgements = good ? kJudgements : judgements + 1;
+    if (good || judgements < kJudgements) return false;
+  }
+  felt = mechanism;
+  process(Event::Rechoose);
+  return true;
+}
+
+// Back along the way that was felt, to where the handle was taken. True once it is there, or will not get there.
+bool Mission::Impl::lead_back(const RobotState& state) noexcept {
+  const bool back = opener.step_back(tick(state));
+  command_solution();
+  command.gripper_closed = true;
+  return back || time_in_phase > kBackTime;
+}
+
+}  // namespace ajar
