@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "ajar/campaign/feasibility.hpp"
 #include "ajar/core/error.hpp"
 #include "ajar/core/random.hpp"
 #include "ajar/mujoco/mujoco_plant.hpp"
@@ -34,12 +35,22 @@ SimulatedPlant make_described(const PlantRequest& request) {
   return hold(std::make_unique<ajar::MujocoPlant>(request.model, mechanism, config, start, request.home), mechanism);
 }
 
-SimulatedPlant make_from_model(const PlantRequest& request) {
-  const ajar::MechanismSource& source = request.scenario.mechanism;
+ajar::MjcfWorld world_of(const ajar::MechanismSource& source) {
   ajar::MjcfWorld world;
   world.path = source.mjcf;
   world.joint = source.joint;
   world.handle_site = source.handle_site;
+  return world;
+}
+
+/// The mechanism as it truly is, wherever the scenario has it from.
+Mechanism true_mechanism(const ajar::Scenario& scenario) {
+  if (const auto mechanism = ajar::scenario_mechanism(scenario)) return *mechanism;
+  return ajar::load_mjcf_mechanism(world_of(scenario.mechanism));
+}
+
+SimulatedPlant make_from_model(const PlantRequest& request) {
+  const ajar::MjcfWorld world = world_of(request.scenario.mechanism);
   const Mechanism mechanism = ajar::load_mjcf_mechanism(world);
   const ajar::PlantConfig& config = request.scenario.plant;
   const ajar::BasePose start = request.start(mechanism);
@@ -82,6 +93,8 @@ SimulatedPlant make_plant(const PlantRequest& request) {
   return request.mechanism != nullptr ? make_described(request) : make_from_model(request);
 }
 
+namespace {
+
 void check_reach(const ajar::Scenario& scenario, const ajar::RobotModel& model) {
   if (scenario.mechanism.form != ajar::MechanismSource::Form::Described) return;
   const ajar::Handle handle = ajar::make_mechanism(scenario.mechanism.described).handle;
@@ -100,12 +113,24 @@ void check_reach(const ajar::Scenario& scenario, const ajar::RobotModel& model) 
                   scenario.file.string(), handle.position.z(), model.name(), lowest, highest));
 }
 
-void check_scenario(const ajar::Scenario& scenario) {
-  const ajar::RobotModel model = ajar::load_robot(scenario.robot);
+}  // namespace
+
+void check_beginning(const ajar::Scenario& scenario, const ajar::RobotModel& model) {
   check_reach(scenario, model);
+  if (scenario.mission.task != "open") return;  // a free hand follows a told path, the mechanism is out of the way
+  const Mechanism mechanism = true_mechanism(scenario);
+  const std::string why = ajar::obstruction(model, mechanism, ajar::start_pose(scenario, mechanism));
+  if (!why.empty()) throw ajar::ConfigError(fmt::format("{}: {}", scenario.file.string(), why));
+}
+
+std::string check_scenario(const ajar::Scenario& scenario) {
+  const ajar::RobotModel model = ajar::load_robot(scenario.robot);
+  check_beginning(scenario, model);
   const auto mechanism = ajar::scenario_mechanism(scenario);
   const PlantRequest request{scenario, model, mechanism ? &*mechanism : nullptr,
                              [&](const Mechanism& m) { return ajar::start_pose(scenario, m); }, model.home()};
   SimulatedPlant made = make_plant(request);
   made.plant->reset(scenario.seed);
+  if (scenario.mission.task != "open") return {};
+  return ajar::shortfall(model, true_mechanism(scenario), scenario.mission, scenario.plant.grasp.pivots);
 }

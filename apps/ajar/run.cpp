@@ -101,7 +101,7 @@ void print_result(const ajar::RunResult& r, const fs::path& folder) {
 int run(const RunArguments& arguments) {
   ajar::Scenario scenario = ajar::load_scenario(arguments.scenario, arguments.overrides);
   if (arguments.seed) scenario.seed = *arguments.seed;
-  check_reach(scenario, ajar::load_robot(scenario.robot));
+  check_beginning(scenario, ajar::load_robot(scenario.robot));
 
   ajar::RunOptions options;
   options.folder = arguments.out.empty() ? free_folder(scenario.file) : fs::path(arguments.out);

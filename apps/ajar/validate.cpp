@@ -43,7 +43,8 @@ void check_doors(const fs::path& file) {
   for (const std::string& id : ajar::list_doors(file)) static_cast<void>(ajar::load_door(file, id));
 }
 
-void check_file(const std::string& name, const ValidateArguments& arguments) {
+/// @return what a scenario falls short of, if it is one that does
+std::string check_file(const std::string& name, const ValidateArguments& arguments) {
   const fs::path file(name);
   std::error_code status;
   if (!fs::exists(file, status)) throw ajar::IoError(name + ": no such file");
@@ -53,7 +54,7 @@ void check_file(const std::string& name, const ValidateArguments& arguments) {
   if (type == ".toml" && is_campaign(file)) {
     static_cast<void>(ajar::load_campaign(file));
   } else if (type == ".toml") {
-    check_scenario(ajar::load_scenario(file));
+    return check_scenario(ajar::load_scenario(file));
   } else if (type == ".urdf") {
     static_cast<void>(ajar::load_robot(name));
   } else if (type == ".csv") {
@@ -69,6 +70,7 @@ void check_file(const std::string& name, const ValidateArguments& arguments) {
   } else {
     throw ajar::ConfigError(name + ": unknown kind of file; allowed: .toml, .urdf, .xml (MJCF) or .csv (door table)");
   }
+  return {};
 }
 
 int validate(const ValidateArguments& arguments) {
@@ -79,8 +81,9 @@ int validate(const ValidateArguments& arguments) {
   int exit_code = kReached;
   for (const std::string& file : arguments.files) {
     try {
-      check_file(file, arguments);
+      const std::string shortfall = check_file(file, arguments);
       fmt::print("ok: {}\n", file);
+      if (!shortfall.empty()) fmt::print("    falls short: {}\n", shortfall);
     } catch (const ajar::Error& error) {
       complain(error.what());
       exit_code = kBadInput;

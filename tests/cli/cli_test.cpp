@@ -178,6 +178,23 @@ TEST_F(Program, ValidatesEveryKindOfFileAndReportsAllThatAreWrong) {
   EXPECT_EQ(wrong.out, "ok: " + kSource + "/scenarios/demo.toml\n");
 }
 
+TEST_F(Program, SaysBeforeItMovesWhyARunCannotBegin) {
+  expect_refused({"run", write("near.toml", kDoor + "[start]\ndistance_m = 0.4\n")},
+                 "the robot starts in collision: base_link");
+  const std::string narrow = "[mechanism]\ntype = \"hinge\"\nsense = \"push\"\nradius_m = 0.47\n";
+  expect_refused({"run", write("narrow.toml", narrow)}, "base 0.58 m wide, opening 0.52 m: -0.03 m each side");
+  expect_refused({"validate", "narrow.toml"}, "narrow.toml: the doorway is too narrow");
+}
+
+TEST_F(Program, ValidateSaysWhatAScenarioFallsShortOf) {
+  const std::string low =
+      "[mechanism]\ntype = \"hinge\"\ntilt_deg = 90\nside = \"right\"\nradius_m = 0.45\nhandle_height_m = 0.62\nbar = "
+      "\"horizontal\"\n";
+  const Output output = run({"validate", write("low.toml", low)});
+  EXPECT_EQ(output.exit_code, 0) << output.err;
+  EXPECT_NE(output.out.find("falls short: no posture"), std::string::npos) << output.out;
+}
+
 TEST_F(Program, PrintsTheReferenceOfTheScenarioKeys) {
   const Output output = run({"validate", "--reference"});
   EXPECT_EQ(output.exit_code, 0);
