@@ -68,11 +68,12 @@ struct Forecast {
   std::string why;  // why there is none
 };
 
-Forecast forecast(const RobotModel& model, const HandleBelief& belief, const MissionConfig& config) {
+Forecast forecast(const RobotModel& model, HandleBelief belief, const FeltMechanism& felt, const MissionConfig& config) {
+  belief.felt = felt;
   const GraspPlanner planner(model, config.planner, config.wbc, config.base_law, config.clearance);
   RollOut roll_out(model, config.planner, config.wbc, config.base_law, config.clearance);
   Forecast out;
-  const MechanismHypothesis known = felt_hypothesis(belief, *belief.felt, config.planner);
+  const MechanismHypothesis known = felt_hypothesis(belief, felt, config.planner);
   for (const GraspCandidate& candidate : planner.choose(belief, kSeed, &out.why)) {
     const RollOutResult result = roll_out.run(belief, known, candidate.base, candidate.grasp, -1e9);
     if (result.fraction > out.best.fraction) out.best = result;
@@ -125,8 +126,8 @@ std::string obstruction(const RobotModel& model, const Mechanism& mechanism, con
 std::string shortfall(const RobotModel& model, const Mechanism& mechanism, const MissionConfig& config, bool bar_turns) {
   if (opens_away(mechanism) || model.base_type() == BaseType::Fixed) return {};
   const HandleMotion motion = handle_motion(mechanism, 0.0);
-  HandleBelief belief = known_handle(mechanism);
-  belief.felt = FeltMechanism{motion.direction, motion.curvature, bar_turns};
+  const HandleBelief belief = known_handle(mechanism);
+  const FeltMechanism felt{motion.direction, motion.curvature, bar_turns};
   MissionConfig wanted = config;
   const bool hinge = mechanism.kind == JointKind::Hinge;
   const GoalConfig& goal = config.goal;
@@ -134,19 +135,17 @@ std::string shortfall(const RobotModel& model, const Mechanism& mechanism, const
   const double way = std::min(asked, mechanism.travel);
   (hinge ? wanted.planner.hinge_angle : wanted.planner.drawer_travel) = way;
   if (!hinge) wanted.planner.sliding_travel = way;
-  const Forecast given = forecast(model, belief, wanted);
+  const Forecast given = forecast(model, belief, felt, wanted);
   if (given.best.fraction >= kWhole) return {};
   if (!given.why.empty()) return given.why;
   const std::string stop =
       fmt::format("at {:.0f} % of the way {}", 100.0 * given.best.fraction, what_stops(given.best, config.clearance));
   if (!hinge) return fmt::format("no posture opens it wholly: {}", stop);
-  const FeltMechanism felt = *belief.felt;
   const double r = 1.0 / felt.curvature.norm();
   for (double step = kRadiusStep; step < kLargestRadius; step += kRadiusStep) {
     for (const double other : {r - step, r + step}) {
       if (other < kSmallestRadius || other > kLargestRadius) continue;
-      belief.felt = with_radius(felt, other);
-      if (forecast(model, belief, wanted).best.fraction < kWhole) continue;
+      if (forecast(model, belief, with_radius(felt, other), wanted).best.fraction < kWhole) continue;
       return fmt::format("no posture passes r {} {:.2f} m at {:.2f} m height, and it is {:.2f} m: {}", other < r ? ">" : "<",
                          other, belief.position.z(), r, stop);
     }
