@@ -226,6 +226,8 @@ void Mission::Impl::enter(Phase next) noexcept {
   located = false;
   blocked_time = 0.0;
   given_until = 0.0;
+  still_force.setZero();
+  still_ticks = 0;
   switch (next) {
     case Phase::Choose:
     case Phase::Reach: sights.reset(); break;

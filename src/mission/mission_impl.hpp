@@ -125,6 +125,9 @@ struct Mission::Impl {
   ClearanceRow fence;  // the nearest pair when a clearance stopped it
   double blocked_time = 0.0;
   double given_until = 0.0;  // time in the phase at which the fingers began to open; 0 = the hand still gives way
+  Vector3d still_force = Vector3d::Zero();  // mean over what the hand felt standing, before the fingers open [N]
+  int still_ticks = 0;
+  bool presses = false;  // the leaf against the hand, by itself
   bool holding = false;
   Pose clear_pose = Pose::Identity();
   Pose taken_at = Pose::Identity();  // hand when the fingers had closed

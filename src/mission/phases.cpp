@@ -32,14 +32,16 @@ constexpr double kProbeReserve = 8.0;    // over the force that moved it in prob
 constexpr double kRelease = 1e-3;        // gives way to what force is left: half of α_f [m/(N s)]
 constexpr double kReleaseTurn = 0.05;    // [rad/(N m s)]
 constexpr double kRelaxTime = 0.3;       // the hand gives way at least this long before the fingers open [s]
+constexpr double kEaseTime = 0.8;        // the same for a pushed leaf; then the hand stands and feels whether it closes [s]
+constexpr double kFeelTime = 0.5;        // for that [s]
 constexpr double kHoldTime = 1.5;        // force that remains after this comes from the leaf, not from the arm [s]
 constexpr double kLeadBackTime = 15.0;   // 12 cm at 1 cm/s, with reserve [s]
 constexpr double kShutTime = 5.0;        // way back to where the leaf was taken: 14 cm at 6 cm/s, twice [s]
 constexpr double kShut = 5e-3;           // nearer than this to that place it is shut [m]
 constexpr double kLightForce = 1.5;      // three deviations of noise and drift of the sensor after a minute [N]
+constexpr double kStillForce = 0.8;      // the same of a mean over half a second: what is left of noise is a tenth [N]
 constexpr double kOpenFingerTime = 0.6;  // [s]
 constexpr double kWithdraw = 0.15;       // the hand leaves the handle by this much [m]
-constexpr double kFoldStep = 0.05;       // 5 cm of a stretched arm [rad]
 constexpr double kRetreatWay = 0.3;      // [m]
 constexpr double kRetreatSpeed = 0.15;   // [m/s]
 constexpr double kRetreatGap = 0.06;     // nearer than this to wall or leaf the base stays [m]
@@ -275,15 +277,20 @@ void Mission::Impl::open(const RobotState& state) noexcept {
 
 // Gives way to what force is left, opens the fingers and draws the hand back along its axis. True once it is clear.
 bool Mission::Impl::let_go(const RobotState& state, double give_time) noexcept {
+  // A hand that goes on giving way would not feel a leaf that closes slowly by itself.
+  const bool feels = handle.passage && time_in_phase > kEaseTime;
   if (given_until == 0.0) {
-    const bool light = record.wrench.force.norm() < kLightForce;
-    if (time_in_phase > kRelaxTime && (light || time_in_phase > give_time)) given_until = time_in_phase;
+    if (feels) still_force += (record.wrench.force - still_force) / ++still_ticks;
+    const bool light = feels ? still_force.norm() < kStillForce : record.wrench.force.norm() < kLightForce;
+    presses = !light;
+    const double least = handle.passage ? kEaseTime + kFeelTime : kRelaxTime;
+    if (time_in_phase > least && (light || time_in_phase > give_time)) given_until = time_in_phase;
   }
   if (given_until == 0.0 || time_in_phase < given_until + kOpenFingerTime) {
     // The arm takes up what the base still rolls and lets the force go; then the fingers open.
     Vector6d give;
     give << -kRelease * record.wrench.force, -kReleaseTurn * record.wrench.torque;
-    if (given_until > 0.0) give.setZero();
+    if (given_until > 0.0 || feels) give.setZero();
     solve_hand_twist(state, give, false);
     command.gripper_closed = given_until == 0.0;
     clear_pose = record.kinematics.X_WE;
@@ -300,7 +307,7 @@ void Mission::Impl::release(const RobotState& state) {
   const bool pushed = handle.passage.has_value();
   if (!planned) {
     const bool clear = let_go(state, pushed ? kHoldTime : kRelaxTime);
-    if (pushed && time_in_phase == given_until && record.wrench.force.norm() > kLightForce) {
+    if (pushed && time_in_phase == given_until && presses) {
       command_zero();
       command.gripper_closed = true;
       holding = true;
@@ -318,20 +325,6 @@ void Mission::Impl::release(const RobotState& state) {
   } else if (time_in_phase > kReachTime) {
     process(Event::Holding);  // something is in the way: it stays where it is
   }
-}
-
-// A path of the arm to its driving posture, the base standing. False if there is none.
-bool Mission::Impl::start_folding(const RobotState& state) {
-  command_zero();
-  opener.scene().place(clearance, false);
-  // A leaf is thin: between two looks the hand must not get from one side to the other.
-  JointPathConfig fine;
-  fine.step = kFoldStep;
-  std::vector<JointVector> path = plan_joint_path(model, clearance, state.base, state.q, model.home(), seed, fine);
-  if (path.empty()) return false;
-  joint_move.start(std::move(path));
-  planned = true;
-  return true;
 }
 
 // Leads what is held back to where it was taken hold of, so that the hand leaves a frame the way it came. Sideways it gives

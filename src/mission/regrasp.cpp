@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <array>
 
+#include "ajar/planning/joint_path.hpp"
+
 namespace ajar {
 namespace {
 
@@ -18,6 +20,7 @@ constexpr double kBackTime = 40.0;        // a metre at 10 cm/s, waiting for the
 // The hand leaves in the first direction that keeps this from the leaf, from where the fingers are off the bar on.
 constexpr double kFreeWay = 0.03;                      // the stop distance of the arm's rows [m]
 constexpr std::array kWayPoints = {0.05, 0.08, 0.12};  // [m]
+constexpr double kFoldStep = 0.05;                     // 5 cm of a stretched arm [rad]
 
 }  // namespace
 
@@ -77,6 +80,20 @@ bool Mission::Impl::lead_back(const RobotState& state) noexcept {
   command_solution();
   command.gripper_closed = true;
   return back || time_in_phase > kBackTime;
+}
+
+// A path of the arm to its driving posture, the base standing. False if there is none.
+bool Mission::Impl::start_folding(const RobotState& state) {
+  command_zero();
+  opener.scene().place(clearance, false);
+  // A leaf is thin: between two looks the hand must not get from one side to the other.
+  JointPathConfig fine;
+  fine.step = kFoldStep;
+  std::vector<JointVector> path = plan_joint_path(model, clearance, state.base, state.q, model.home(), seed, fine);
+  if (path.empty()) return false;
+  joint_move.start(std::move(path));
+  planned = true;
+  return true;
 }
 
 }  // namespace ajar

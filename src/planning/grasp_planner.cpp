@@ -319,15 +319,16 @@ bool GraspPlanner::choose_posture(const HandleBelief& belief, const BasePose& ba
   PostureTally tally;
   const bool near = std::hypot(base.x - candidate.base.x, base.y - candidate.base.y) < kKeepDistance &&
                     std::abs(wrap_angle(base.yaw - candidate.base.yaw)) < kKeepTurn;
+  std::vector<MechanismHypothesis> hypotheses = make_hypotheses(belief, impl.config);
   if (near && candidate.value >= kUsable && impl.model.solve_ik(base, planned.hand, planned.q) &&
       impl.finder.usable(belief, base, planned.q, {kKeepSigma, kKeepOwn, kKeepWall}, tally) &&
+      (!belief.passage || impl.worst(belief, hypotheses, planned, kUsable) >= kUsable) &&
       impl.complete(belief, planned, candidate)) {
     return true;
   }
   Random random(seed);
   std::vector<Posture> postures = impl.postures_at(belief, base, random);
   std::erase_if(postures, [&](const Posture& posture) { return !impl.finder.approach(belief, posture); });
-  std::vector<MechanismHypothesis> hypotheses = make_hypotheses(belief, impl.config);
   const std::vector<Posture> best = impl.best_of(belief, hypotheses, postures, false);
   const double least = std::min(kUsable, candidate.value - kArrivalLoss);
   for (const Posture& posture : best) {

@@ -21,6 +21,8 @@ constexpr double kFlapShare = 0.3;
 constexpr double kOutward = 0.7071;
 // A leaf that already stands open is still pushed by this much [rad].
 constexpr double kLeastAngle = 0.2;
+// And by this much farther than wanted: the goal's own margin of 1° and twice the doubt of the angle [rad].
+constexpr double kBeyond = 0.06;
 
 /// Turning about an axis through a point that lies `radius` along `towards` from the handle's foot on the leaf.
 MechanismHypothesis turning(const HandleBelief& belief, const Vector3d& n, const Vector3d& towards, double radius,
@@ -41,7 +43,7 @@ MechanismHypothesis pushed(const HandleBelief& belief, const Passage& passage, d
   out.name = "pushed through the doorway";
   out.direction = passage_direction(belief, passage);
   out.curvature = passage_curvature(belief, passage);
-  out.travel = std::max(kLeastAngle, angle - passage.opened) / out.curvature.norm();
+  out.travel = std::max(kLeastAngle, angle + kBeyond - passage.opened) / out.curvature.norm();
   return out;
 }
 

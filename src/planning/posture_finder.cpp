@@ -24,6 +24,8 @@ constexpr double kSamePosture = 0.1;
 constexpr int kApproachPoints = 4;
 constexpr double kApproachJump = 0.5;        // [rad] for 2.5 cm
 constexpr double kApproachClearance = 0.02;  // the rows' stop distance [m]
+// Between open fingers and leaf where the hand comes askew: more than what the handle is misplaced by sight [m].
+constexpr double kFingerRoom = 0.005;
 
 template <typename... Values>
 std::string text(const char* format, Values... values) {
@@ -123,6 +125,7 @@ bool PostureFinder::usable(const HandleBelief& belief, const BasePose& base, con
   ++tally.clear_of_self;
   tally.best_wall = std::max(tally.best_wall, at.arm);
   if (at.arm < limits.wall) return false;
+  if (belief.passage && roll_out_.hand_to_leaf(belief, base, q) < kFingerRoom) return false;
   ++tally.clear_of_wall;
   return true;
 }
@@ -152,6 +155,13 @@ std::string explain(const PostureTally& tally, const HandleBelief& belief, const
   if (tally.clear_of_self == 0) {
     return text("every posture that reaches the handle at %.2f m comes within %.3f m of the robot's own body, needed %.3f",
                 z, std::max(0.0, tally.best_own), limits.own);
+  }
+  if (tally.clear_of_wall == 0 && reveal_depth(belief) > 0.0) {
+    const Vector3d left = belief.doorway->left - belief.position;
+    const Vector3d right = belief.doorway->right - belief.position;
+    const double beside = std::min(left.head<2>().norm(), right.head<2>().norm());
+    return text("the hand does not fit between the handle at %.2f m height and the edge of the frame %.3f m from it", z,
+                beside);
   }
   if (tally.clear_of_wall == 0) {
     return text("every posture that reaches the handle at %.2f m comes within %.3f m of the wall, needed %.3f", z,

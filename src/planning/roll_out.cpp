@@ -22,7 +22,8 @@ constexpr int kRevealSides[] = {2, 3};
 constexpr double kBestSigma = 0.12;
 // Distances below which a roll-out loses value, and by how much per metre: 1 cm short costs a third of a good value.
 constexpr double kWantedOwn = 0.02;
-constexpr double kWantedArm = 0.03;
+// Past the edges of a doorway a posture needs this much: what the believed axis may be off, beyond the rows' 3 cm.
+constexpr double kPassageArm = 0.045;
 constexpr double kWantedBase = 0.05;
 constexpr double kShortfallPrice = 4.0;
 // Travel and tracking that count as complete.
@@ -70,7 +71,7 @@ struct RollOut::Motion {
 };
 
 double roll_out_value(const RollOutResult& result, bool soft) noexcept {
-  const double shortfall = std::max(0.0, kWantedOwn - result.own) + std::max(0.0, kWantedArm - result.arm) +
+  const double shortfall = std::max(0.0, kWantedOwn - result.own) + std::max(0.0, result.arm_room - result.arm) +
                            std::max(0.0, kWantedBase - result.base);
   const double value = std::min(result.sigma, kBestSigma) - kShortfallPrice * shortfall +
                        std::min(0.0, result.fraction - kWholeTravel) - std::max(0.0, result.error - kTrackingAllowance) -
@@ -131,6 +132,15 @@ RollOutResult RollOut::look(const HandleBelief& belief, const BasePose& base, co
   note_clearances(result);
   result.sigma = arm_sigma_min(kinematics_, wbc_.length);
   return result;
+}
+
+double RollOut::hand_to_leaf(const HandleBelief& belief, const BasePose& base, const JointVector& q) {
+  for (const int obstacle : {kWall, kHingeWall}) clearance_.clear_obstacle(obstacle);
+  const Matrix3d R = leaf_axes(belief.normal);
+  clearance_.set_obstacle(kLeaf, leaf_behind_handle(R, belief.position + belief.standoff * R.col(1)), false);
+  model_.compute(base, q, kinematics_);
+  clearance_.compute(model_, base, clearances_);
+  return clearances_.smallest[1];
 }
 
 BaseTwist RollOut::base_twist(BaseLaw& law, const MechanismHypothesis& hypothesis, Motion& motion, double dt) const {
@@ -196,6 +206,7 @@ RollOutResult RollOut::run(const HandleBelief& belief, const MechanismHypothesis
   const int n = model_.joints();
   RollOutResult result;
   result.fraction = 1.0;  // while it runs: nothing lost yet
+  if (belief.passage) result.arm_room = kPassageArm;
   Motion motion = begin(belief, base, q);
   BaseLaw law(base_law_);
   law.reset(base, motion.p0, belief.passage ? std::optional(passage_line(*belief.passage)) : std::nullopt);

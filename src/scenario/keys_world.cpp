@@ -237,7 +237,7 @@ Scenario default_scenario() {
   scenario.mission.goal.opening_angle = 90.0 * kDegree;
   scenario.mission.planner.hinge_angle = 90.0 * kDegree;
   scenario.mission.planner.azimuths = {-20.0 * kDegree, 0.0, 20.0 * kDegree};
-  scenario.mission.planner.passage_yaws = {30.0 * kDegree, 37.0 * kDegree, 45.0 * kDegree};
+  scenario.mission.planner.passage_yaws = {30.0 * kDegree, 37.0 * kDegree, 45.0 * kDegree, 54.0 * kDegree, 63.0 * kDegree};
   scenario.mechanism.described.travel = 110.0 * kDegree;
   return scenario;
 }

@@ -18,6 +18,7 @@ namespace {
 constexpr double kRadius = 0.8;
 constexpr double kAxisDepth = 0.04;
 constexpr double kStandoff = 0.06;
+constexpr double kBeyond = 0.06;  // what the goal asks for beyond the wanted angle [rad]
 
 struct Door {
   double side;  // +1 hinged on the right
@@ -69,7 +70,7 @@ TEST(Passage, ThePushedLeafTurnsAboutThatAxisIntoTheDoorway) {
     const Vector3d centre = belief.position + h.curvature.cross(h.direction) / h.curvature.squaredNorm();
     EXPECT_LT((centre - R * axis_of(door)).norm(), 1e-9);
     EXPECT_GT(h.direction.dot(belief.passage->inward), 0.9);
-    EXPECT_NEAR(h.travel * h.curvature.norm() + door.angle, PlannerConfig{}.hinge_angle, 1e-12);
+    EXPECT_NEAR(h.travel * h.curvature.norm() + door.angle, PlannerConfig{}.hinge_angle + kBeyond, 1e-12);
   }
 }
 

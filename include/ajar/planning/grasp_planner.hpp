@@ -59,8 +59,9 @@ struct PlannerConfig {
   double own_clearance = 0.025;                     ///< Of a candidate at the grasp [m]
   double wall_clearance = 0.07;                     ///< Of the base where it stands, to the believed wall [m]
   std::vector<double> passage_distances{0.80, 0.88, 0.96};  ///< Base - handle along a doorway to push through [m]
-  std::vector<double> passage_yaws{0.5, 0.65, 0.8};         ///< Hand turned towards the hinge at the start of a push [rad]
-  double approach_distance = 0.10;                          ///< The hand waits this far in front of the handle [m]
+  std::vector<double> passage_yaws{0.5, 0.65, 0.8, 0.95,
+                                   1.1};  ///< Hand turned towards the hinge at the start of a push [rad]
+  double approach_distance = 0.10;        ///< The hand waits this far in front of the handle [m]
   bool operator==(const PlannerConfig&) const = default;
   /// @throws ConfigError
   void validate() const;

@@ -6,14 +6,15 @@ namespace ajar {
 
 /// How a rolled-out opening went.
 struct RollOutResult {
-  double sigma = 9.0;     ///< Smallest σ_min of the arm [-]
-  double own = 9.0;       ///< Smallest distance of the robot to itself; 9 = never near [m]
-  double arm = 9.0;       ///< Of the arm to wall and leaf [m]
-  double base = 9.0;      ///< Of the base to wall and leaf [m]
-  double fraction = 0.0;  ///< Part of the travel that was reached, 0 … 1
-  double error = 0.0;     ///< Largest distance of the hand from the path [m]
-  double duration = 0.0;  ///< Of the opening [s]
-  double value = -1.0;    ///< One number of all that (docs/equations.md#choice)
+  double sigma = 9.0;      ///< Smallest σ_min of the arm [-]
+  double own = 9.0;        ///< Smallest distance of the robot to itself; 9 = never near [m]
+  double arm = 9.0;        ///< Of the arm to wall and leaf [m]
+  double arm_room = 0.03;  ///< Distance of the arm below which it loses value [m]
+  double base = 9.0;       ///< Of the base to wall and leaf [m]
+  double fraction = 0.0;   ///< Part of the travel that was reached, 0 … 1
+  double error = 0.0;      ///< Largest distance of the hand from the path [m]
+  double duration = 0.0;   ///< Of the opening [s]
+  double value = -1.0;     ///< One number of all that (docs/equations.md#choice)
 };
 
 /// Value of a roll-out: min(σ, 0.12) less what clearances, travel and tracking fall short, and less the time.
@@ -35,6 +36,9 @@ class RollOut {
   /// Distances of one posture to itself, to the believed wall and to the sides of a reveal; `own`, `arm` and `base` are
   /// filled.
   [[nodiscard]] RollOutResult look(const HandleBelief& belief, const BasePose& base, const JointVector& q);
+
+  /// Distance of the open hand to the leaf as it stands. [m]
+  [[nodiscard]] double hand_to_leaf(const HandleBelief& belief, const BasePose& base, const JointVector& q);
 
   [[nodiscard]] const Kinematics& kinematics() const noexcept { return kinematics_; }
 
