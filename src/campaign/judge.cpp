@@ -219,9 +219,8 @@ RunResult Judge::finish(const RunEnd& end) const {
     result.handle_travel = impl_->last_opening * impl_->last_radius;
     result.mean_normal_force = impl_->normal_sum / ticks;
   }
-  if (result.peak_probe_force && impl_->force_needed) {
-    result.probe_force_over_need = *result.peak_probe_force - *impl_->force_needed;
-  }
+  const std::optional<double>& needed = impl_->force_needed;
+  if (result.peak_probe_force && needed) result.probe_force_over_need = *result.peak_probe_force - *needed;
   if (impl_->probe_ticks > 0) result.probe_duration = static_cast<double>(impl_->probe_ticks) * config.period;
   if (impl_->late_ticks > 0) result.late_normal_force = impl_->late_sum / static_cast<double>(impl_->late_ticks);
   if (impl_->heading_ticks > 0) {

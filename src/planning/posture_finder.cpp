@@ -156,7 +156,7 @@ std::string explain(const PostureTally& tally, const HandleBelief& belief, const
     return text("every posture that reaches the handle at %.2f m comes within %.3f m of the robot's own body, needed %.3f",
                 z, std::max(0.0, tally.best_own), limits.own);
   }
-  if (tally.clear_of_wall == 0 && reveal_depth(belief) > 0.0) {
+  if (tally.clear_of_wall == 0 && belief.doorway && reveal_depth(belief) > 0.0) {
     const Vector3d left = belief.doorway->left - belief.position;
     const Vector3d right = belief.doorway->right - belief.position;
     const double beside = std::min(left.head<2>().norm(), right.head<2>().norm());
