@@ -3,9 +3,11 @@
 #include "ajar/mechanism/builders.hpp"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <fstream>
 #include <functional>
 #include <numbers>
@@ -254,6 +256,9 @@ TEST(DoorTable, ApproachHeadsForTheGrip) {
 
 class BrokenTable : public testing::Test {
  protected:
+  BrokenTable() { std::filesystem::create_directories(folder); }
+  ~BrokenTable() override { std::filesystem::remove_all(folder); }
+
   // The table with one cell of the first door replaced.
   std::string with(const std::string& column, const std::string& value) {
     std::ifstream in(doors_csv());
@@ -269,12 +274,16 @@ class BrokenTable : public testing::Test {
     return message(header + "\n" + row + "\n");
   }
   std::string message(const std::string& text) {
-    const std::filesystem::path file = std::filesystem::path(testing::TempDir()) / "broken_doors.csv";
+    const std::filesystem::path file = folder / "broken_doors.csv";
     std::ofstream(file) << text;
     const std::string what = message_of([&] { (void)load_door(file, "db0002_swing_single"); });
     const std::size_t at = what.find("broken_doors.csv");
     return at == std::string::npos ? what : what.substr(at);
   }
+
+  // One of its own: tests run side by side.
+  std::filesystem::path folder =
+      std::filesystem::path(testing::TempDir()) / ("ajar_broken_table_" + std::to_string(::getpid()));
 };
 
 TEST_F(BrokenTable, MessagesGiveLineColumnValueAndRule) {
