@@ -228,17 +228,21 @@ TEST(SpeedLaw, RampsWithinItsAccelerations) {
   EXPECT_NEAR(last, -config.give_speed, 1e-12);
 }
 
+// Ten seconds at cruise against a steady pull: the force has become the running force.
+SpeedInput cruise_against(double pull, SpeedLaw& law) {
+  SpeedInput input;
+  input.confidence = 1.0;
+  input.pull_force = pull;
+  for (int tick = 0; tick < 5000; ++tick) {
+    input.measured_speed = law.step(input);
+  }
+  return input;
+}
+
 TEST(SpeedLaw, GivesWayAboveTheRunningForce) {
   const ForceLawConfig config;
   SpeedLaw law(config, kPeriod, 0.0);
-  SpeedInput input;
-  input.confidence = 1.0;
-  input.pull_force = 5.0;
-  double speed = 0.0;
-  for (int tick = 0; tick < 5000; ++tick) {
-    input.measured_speed = speed;
-    speed = law.step(input);
-  }
+  SpeedInput input = cruise_against(5.0, law);
   EXPECT_NEAR(law.running_force(), 5.0, 1e-6);
   input.pull_force = 5.0 + config.give_margin - 0.1;
   EXPECT_NEAR(law.step(input), config.speed, 1e-3);
@@ -249,12 +253,7 @@ TEST(SpeedLaw, GivesWayAboveTheRunningForce) {
 TEST(SpeedLaw, ABlowHardlyRaisesTheRunningForce) {
   const ForceLawConfig config;
   SpeedLaw law(config, kPeriod, 0.0);
-  SpeedInput input;
-  input.confidence = 1.0;
-  input.pull_force = 45.0;
-  for (int tick = 0; tick < 5000; ++tick) {
-    input.measured_speed = law.step(input);
-  }
+  SpeedInput input = cruise_against(45.0, law);
   const double before = law.running_force();
   input.pull_force = 150.0;
   for (int tick = 0; tick < 50; ++tick) (void)law.step(input);  // 0.1 s in which the measured speed has not fallen yet
