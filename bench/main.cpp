@@ -11,6 +11,7 @@
 #include "bench.hpp"
 #include "contest.hpp"
 #include "heap_count.hpp"
+#include "tick.hpp"
 
 namespace {
 
@@ -72,8 +73,8 @@ Options read_options(int argc, char** argv) {
 
 // Registers the cases that are wanted. False when there is no such bench.
 bool select(const Options& options, const std::vector<CaseInfo>& cases) {
-  std::string names = " wbc";
-  bool any = options.bench.empty() || options.bench == "wbc";
+  std::string names = " wbc tick";
+  bool any = options.bench.empty() || options.bench == "wbc" || options.bench == "tick";
   for (const CaseInfo& info : cases) {
     names += " " + info.name;
     if (!options.bench.empty() && info.name != options.bench) continue;
@@ -93,13 +94,16 @@ int main(int argc, char** argv) {
   const std::vector<CaseInfo> cases = ajar::bench::all_cases();
   if (!select(options, cases)) return 2;
   std::vector<ajar::bench::BenchRow> rows;
-  if (options.bench != "wbc") {
+  if (options.bench != "wbc" && options.bench != "tick") {
     int count = 1;
     benchmark::Initialize(&count, argv);
     ajar::bench::RowCollector collector(rows);
     benchmark::RunSpecifiedBenchmarks(&collector);
   }
   try {
+    if (options.bench.empty() || options.bench == "tick") {
+      for (const auto& row : ajar::bench::run_ticks()) rows.push_back(row);
+    }
     if (options.bench.empty() || options.bench == "wbc") {
       for (const auto& row : ajar::bench::run_contest(options.peers)) rows.push_back({"wbc", row});
     }

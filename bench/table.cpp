@@ -24,8 +24,8 @@ void print_steps(const std::vector<BenchRow>& rows) {
   fmt::print("{:<14} {:<46} {:>10} {:>10} {:>10} {:>12}\n", "bench", "problem", "median us", "p99 us", "p99.9 us",
              "allocations");
   for (const auto& [bench, row] : rows) {
-    fmt::print("{:<14} {:<46} {:>10.2f} {:>10.2f} {:>10.2f} {:>12.2f}\n", bench, row.problem, row.median_us, row.p99_us,
-               row.p999_us, row.allocations);
+    fmt::print("{:<14} {:<46} {:>10.2f} {:>10.2f} {:>10.2f} {:>12}\n", bench, row.problem, row.median_us, row.p99_us,
+               row.p999_us, cell(row.allocations, 2));
   }
 }
 

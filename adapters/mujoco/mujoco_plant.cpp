@@ -55,7 +55,7 @@ struct MujocoPlant::Impl {
         contact_log(*model),
         commands(config, robot.joints()),
         wrist(config.wrist_sensor, config.faults),
-        odometry(robot.wheel_radius(), robot.wheel_track()),
+        odometry(robot.wheel_radius(), robot.wheel_track(), config.base.odometry_rate),
         rolls(robot.base_type() == BaseType::Differential),
         q0(q_start),
         random(0) {
@@ -309,9 +309,8 @@ void MujocoPlant::Impl::update_truth() noexcept {
 RobotState MujocoPlant::Impl::measure() noexcept {
   RobotState state;
   state.time = time;
-  state.base = rolls ? odometry.pose() : start;
-  state.base_v = odometry.v();
-  state.base_w = odometry.w();
+  odometry.read(time, state);
+  if (!rolls) state.base = start;
   state.q = truth.q;
   state.dq = truth.dq;
   for (double& value : state.q) value = quantise(value, config.arm.encoder_resolution);

@@ -23,6 +23,7 @@ const char* name_of(WbcStatus status) noexcept {
     case WbcStatus::Slowed: return "slowed";
     case WbcStatus::Limited: return "limited";
     case WbcStatus::Damped: return "damped";
+    case WbcStatus::Stopped: return "stopped";
     case WbcStatus::Invalid: break;
   }
   return "invalid";

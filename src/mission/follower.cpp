@@ -199,8 +199,11 @@ Follower::Follower(const RobotModel& model, const MissionConfig& config, const H
 
 Follower::~Follower() = default;
 
-Command Follower::step(const RobotState& state) noexcept {
+Command Follower::step(const RobotState& measured) noexcept {
   Impl& m = *impl_;
+  RobotState state = measured;
+  state.base = base_now(measured);
+  state.base_age = 0.0;
   if (finished()) return m.command;
   m.record.solution.status = WbcStatus::Ok;
   m.record.solution.binding = BindingLimit::None;

@@ -118,7 +118,8 @@ void Mission::Impl::correct_odometry(const HandleBelief& seen_again) noexcept {
 
 Command Mission::Impl::step(const RobotState& measured) noexcept {
   RobotState state = measured;
-  state.base = localise(measured.base);
+  state.base = localise(base_now(measured));
+  state.base_age = 0.0;
   if (phase == Phase::Done || phase == Phase::Stopped) {
     command_zero();
     return command;

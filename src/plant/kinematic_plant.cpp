@@ -30,7 +30,7 @@ KinematicPlant::KinematicPlant(const RobotModel& model, const Mechanism& mechani
       q_start_(q_start),
       path_(config, model.joints()),
       wrist_(config.wrist_sensor, config.faults),
-      odometry_(model.wheel_radius(), model.wheel_track()),
+      odometry_(model.wheel_radius(), model.wheel_track(), config.base.odometry_rate),
       gripper_(model.gripper_stroke()),
       coupling_(mechanism, config.grasp) {
   if (q_start.size() != model.joints() || !q_start.allFinite()) {
@@ -150,9 +150,7 @@ void KinematicPlant::follow_handle(const Pose& before) noexcept {
 RobotState KinematicPlant::measure() noexcept {
   RobotState out;
   out.time = time_;
-  out.base = odometry_.pose();
-  out.base_v = odometry_.v();
-  out.base_w = odometry_.w();
+  odometry_.read(time_, out);
   out.q = q_;
   for (Eigen::Index i = 0; i < q_.size(); ++i) out.q(i) = quantise(q_(i), config_.arm.encoder_resolution);
   if (fault_active(config_.faults, Fault::Kind::JointNan, time_))

@@ -48,6 +48,7 @@ void PlantConfig::validate() const {
   require("plant.base.wheel_radius_error", base.wheel_radius_error, 0.0, 0.2);
   require("plant.base.wheel_mismatch", base.wheel_mismatch, 0.0, 0.1);
   require("plant.base.friction", base.friction, 0.01, 5.0);
+  require("plant.base.odometry_rate", base.odometry_rate, 0.0, 1e4);
   require("plant.arm.lag", arm.lag, 0.0, 1.0);
   require("plant.arm.servo_gain", arm.servo_gain, 0.05, 4.0);
   require("plant.arm.encoder_resolution", arm.encoder_resolution, 0.0, 0.1);

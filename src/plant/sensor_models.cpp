@@ -12,6 +12,8 @@ namespace {
 constexpr double kCreepSpeed = 0.05;
 /// Speed of the fingers [m/s]: between the 0.02 and 0.15 m/s of the Robotiq 2F-85 data sheet.
 constexpr double kFingerSpeed = 0.1;
+// Round-off of a sum of ticks [s].
+constexpr double kTimeRoundOff = 1e-9;
 
 Vector3d uniform3(double bound, Random& random) {
   const double x = random.uniform(-bound, bound);
@@ -97,6 +99,19 @@ void WheelOdometry::reset(const BasePose& start, const Vector2d& angles) noexcep
   pose_ = start;
   angles_ = angles;
   v_ = w_ = 0.0;
+  reading_ = {start, 0.0, 0.0, 0.0};
+  next_reading_ = 0.0;
+}
+
+void WheelOdometry::read(double time, RobotState& state) noexcept {
+  if (rate_ <= 0.0 || time >= next_reading_ - kTimeRoundOff) {
+    reading_ = {pose_, v_, w_, time};
+    if (rate_ > 0.0) next_reading_ = std::max(next_reading_, time - 1.0 / rate_) + 1.0 / rate_;
+  }
+  state.base = reading_.pose;
+  state.base_v = reading_.v;
+  state.base_w = reading_.w;
+  state.base_age = time - reading_.time;
 }
 
 void WheelOdometry::update(const Vector2d& angles, const Vector2d& rates) noexcept {

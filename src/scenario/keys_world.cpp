@@ -109,6 +109,8 @@ void bind_plant(Section s, PlantConfig& c) {
               "relative error common to both wheels, uniform, ±");
   base.number("wheel_mismatch", c.base.wheel_mismatch, {0.0, 0.5}, "-", "relative difference of the wheels, uniform, ±");
   base.number("friction", c.base.friction, {0.0, 5.0, true}, "-", "wheel on floor");
+  base.number("odometry_hz", c.base.odometry_rate, {0.0, 1e4}, "1/s",
+              "readings of the wheels, in between the last one with its age; 0 = one in every control tick");
   Section arm = s.table("arm");
   arm.number("lag_s", c.arm.lag, {0.0, 1.0}, "s", "of the rate servo");
   arm.number("servo_gain", c.arm.servo_gain, {0.0, 100.0, true}, "-",

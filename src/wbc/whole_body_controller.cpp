@@ -107,6 +107,7 @@ struct WholeBodyController::Impl {
   TaskQp solver;
   std::array<double, kQpRows> row_scale{};
   int clearance_rows = 0;
+  bool stopped = false;  // the solver, before the minimum
 
   void build_cost(const WbcProblem& problem, double sigma_min);
   void add_task(const WbcProblem& problem);
@@ -263,7 +264,9 @@ void WholeBodyController::Impl::read(const WbcProblem& problem, WbcSolution& out
   const Vector2d base = config.base_share * out.u.tail<2>() + (1.0 - config.base_share) * problem.measured.tail<2>();
   const Vector3d velocity = J.topLeftCorner(3, n) * out.u.head(n) + J.topRightCorner<3, 2>() * base;
   out.residual = (velocity - out.speed_factor * problem.tangential.head<3>() - problem.correction.head<3>()).norm();
-  if (out.residual > kMissedSpeed) {
+  if (stopped) {
+    out.status = WbcStatus::Stopped;
+  } else if (out.residual > kMissedSpeed) {
     out.status = WbcStatus::Limited;
   } else if (out.speed_factor < kSlowedFactor) {
     out.status = WbcStatus::Slowed;
@@ -297,10 +300,12 @@ WbcStatus WholeBodyController::solve(const WbcProblem& problem, WbcSolution& out
   out.sigma_min = arm_sigma_min(*problem.kinematics, impl.config.length, impl.sigma_track);
   impl.build_cost(problem, std::isfinite(out.sigma_min) ? out.sigma_min : 0.0);
   impl.build_bounds(problem);
-  if (impl.solver.solve(impl.qp, impl.answer) == QpStatus::Invalid) {
+  const QpStatus solved = impl.solver.solve(impl.qp, impl.answer);
+  if (solved == QpStatus::Invalid) {
     brake(out);
     return out.status = WbcStatus::Invalid;
   }
+  impl.stopped = solved == QpStatus::Stopped;
   impl.read(problem, out);
   impl.last = out.u;
   return out.status;

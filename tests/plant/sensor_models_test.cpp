@@ -129,6 +129,24 @@ TEST(WheelOdometry, FollowsACircle) {
   EXPECT_TRUE(std::isfinite(odometry.pose().x));
 }
 
+TEST(WheelOdometry, KeepsAReadingUntilTheNextIsDue) {
+  WheelOdometry odometry(0.1, 0.5, 40.0);
+  odometry.reset({}, Vector2d::Zero());
+  RobotState state;
+  double oldest = 0.0;
+  int readings = 0;
+  for (int tick = 0; tick <= 500; ++tick) {  // 1 s at 1 m/s in a loop of 500 Hz
+    const double time = 0.002 * tick;
+    odometry.update(Vector2d::Constant(10.0 * time), Vector2d::Constant(10.0));
+    odometry.read(time, state);
+    oldest = std::max(oldest, state.base_age);
+    readings += state.base_age == 0.0 ? 1 : 0;
+    ASSERT_NEAR(state.base.x, time - state.base_age, 1e-9);
+  }
+  EXPECT_EQ(readings, 41);
+  EXPECT_NEAR(oldest, 0.024, 1e-9);  // the last tick before the next reading
+}
+
 TEST(HandleSight, TurnsWithTheErrorAboutTheVertical) {
   Handle handle;
   handle.position = Vector3d(0.0, -0.06, 1.0);

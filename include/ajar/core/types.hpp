@@ -68,12 +68,13 @@ struct HandleSight {
 
 /// What the robot measures in one tick. Nothing else of the world reaches mission, controller or estimator.
 struct RobotState {
-  double time = 0.0;    ///< Since the start of the run [s]
-  BasePose base;        ///< Odometry, in the odometry frame
-  double base_v = 0.0;  ///< Forward speed by the wheel encoders [m/s]
-  double base_w = 0.0;  ///< Turning rate by the wheel encoders [rad/s]
-  JointVector q;        ///< Joint positions, shape (n) [rad or m]
-  JointVector dq;       ///< Joint rates, shape (n) [rad/s or m/s]
+  double time = 0.0;      ///< Since the start of the run [s]
+  BasePose base;          ///< Odometry, in the odometry frame
+  double base_age = 0.0;  ///< How much older odometry and wheel speeds are than `time` [s]
+  double base_v = 0.0;    ///< Forward speed by the wheel encoders [m/s]
+  double base_w = 0.0;    ///< Turning rate by the wheel encoders [rad/s]
+  JointVector q;          ///< Joint positions, shape (n) [rad or m]
+  JointVector dq;         ///< Joint rates, shape (n) [rad/s or m/s]
   Vector3d sensor_force =
       Vector3d::Zero();  ///< Raw wrist reading, sensor axes: robot on tool side, with weight and bias [N]
   Vector3d sensor_torque = Vector3d::Zero();  ///< Raw wrist reading about the sensor's origin, sensor axes [N m]

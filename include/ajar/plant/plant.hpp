@@ -90,6 +90,7 @@ struct BasePlantConfig {
   double wheel_radius_error = 0.01;  ///< Uniform relative error of each wheel, common part, ± [-]
   double wheel_mismatch = 0.001;     ///< Relative difference between the wheels, ± [-]
   double friction = 0.8;             ///< Wheel on floor [-]
+  double odometry_rate = 0.0;        ///< Readings per second, taken at control ticks; 0 = one in every tick [1/s]
   bool operator==(const BasePlantConfig&) const = default;
 };
 

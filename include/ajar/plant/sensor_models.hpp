@@ -102,24 +102,36 @@ class WristSensor {
 class WheelOdometry {
  public:
   /// @param radius  Assumed [m]  @param track  Distance of the driven wheels [m]
-  WheelOdometry(double radius, double track) : radius_(radius), track_(track) {}
+  /// @param rate    Readings per second; 0 = whenever asked [1/s]
+  WheelOdometry(double radius, double track, double rate = 0.0) : radius_(radius), track_(track), rate_(rate) {}
 
   /// Starts at a pose. @param angles  Of the wheels (left, right) [rad]
   void reset(const BasePose& start, const Vector2d& angles) noexcept;
   /// Follows the wheels. No allocation. @param angles  Encoder angles (left, right) [rad]  @param rates  [rad/s]
   void update(const Vector2d& angles, const Vector2d& rates) noexcept;
+  /// Writes pose and speeds of the last reading and its age; takes a new reading when one is due. No allocation.
+  void read(double time, RobotState& state) noexcept;
 
   [[nodiscard]] const BasePose& pose() const noexcept { return pose_; }
   [[nodiscard]] double v() const noexcept { return v_; }  ///< [m/s]
   [[nodiscard]] double w() const noexcept { return w_; }  ///< [rad/s]
 
  private:
+  struct Reading {
+    BasePose pose;
+    double v = 0.0;
+    double w = 0.0;
+    double time = 0.0;
+  };
   double radius_;
   double track_;
+  double rate_;
   BasePose pose_;
   Vector2d angles_ = Vector2d::Zero();
   double v_ = 0.0;
   double w_ = 0.0;
+  Reading reading_;
+  double next_reading_ = 0.0;
 };
 
 /// What the camera sees of a handle: in the true base frame, with the position error of the run and the normal and bar

@@ -61,6 +61,7 @@ enum class WbcStatus {
   Slowed,   ///< s < 1: some limit binds
   Limited,  ///< The hand task itself is not met
   Damped,   ///< Near a singular arm
+  Stopped,  ///< The solver was cut short: the command meets all limits, but is not the best
   Invalid   ///< Input not finite or the solver failed; the command brakes within the limits
 };
 
