@@ -14,6 +14,7 @@ constexpr double kSeenWithin = 0.03;  // [m]
 constexpr double kJudgedAfter = 0.1;  // [m]
 constexpr double kLever = 0.1;        // radius of a handle that turns first [m]
 constexpr double kLeverTravel = 0.06;
+constexpr double kMiddleCurvature = 1.7;  // of the doors that follow [1/m]
 
 PathFilter filter_of(bool rotation) {
   PathFilterConfig config;
@@ -145,12 +146,21 @@ void judge_event(const std::string& name, const Simulate& simulate, const Effort
   }
 }
 
+// What 10 cm of a new door tell of its direction at best, positions alone: a turn of two alike components is below
+// σ √(ln 10) nine times of ten.
+Row handle_bound() {
+  const Matrix9d C = test::cramer_rao(Vector2d(kMiddleCurvature, 0.0), kJudgedAfter, kSpacing, robot_noise(), false, kPrior);
+  const double p90 = std::sqrt((C(2, 2) + C(3, 3)) * std::log(10.0)) / test::kDegree;
+  return {"handle turns first, positions: direction 10 cm later, p90", "bound", p90, "deg", ""};
+}
+
 }  // namespace
 
 void judge_failures(const Effort& effort, Table& table) {
   judge_event("slip of 1 cm", [](bool rotation, Random& rng) { return slip(rotation, 0.0, rng); }, effort, table);
   judge_event("slip of 1 cm over 2 cm", [](bool rotation, Random& rng) { return slip(rotation, 0.02, rng); }, effort, table);
   judge_event("handle turns first", [](bool rotation, Random& rng) { return handle_first(rotation, rng); }, effort, table);
+  table.push_back(handle_bound());
   for (const double radius : {0.4, 0.8}) {
     Random rng(effort.seed + 43);
     std::vector<double> arcs;

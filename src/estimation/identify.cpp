@@ -27,7 +27,7 @@ constexpr double kOneCurveLimit = 13.8;  // tail of 1e-3 of χ² with 2 degrees 
 constexpr double kPrior = 3.0;           // of each component of k, as in the recursive filter [1/m]
 constexpr double kStraightPrior = 1e-6;  // a prior that allows no curvature [1/m]
 constexpr double kNoisePrior = 20.0;     // rows of prior data that say "the assumed noise is right"
-constexpr double kGripLimit = 28.0;      // as in the recursive grip test (docs/equations.md#estimator, 8)
+constexpr double kGripLimit = 23.0;      // as in the recursive grip test (docs/equations.md#estimator, 8)
 constexpr double kGripMargin = 0.2;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kCurved = 1e-6;  // below this k has no direction [1/m]
@@ -47,16 +47,14 @@ double learnt_scale(double misfit, int rows, int parameters) {
   return std::sqrt((kNoisePrior + misfit) / (kNoisePrior + rows - parameters));
 }
 
-// Whether orientation and positions tell the same path (docs/equations.md#estimator, 8).
+// Whether orientation and positions tell the same curvature (docs/equations.md#estimator, 8).
 bool grip_is_rigid(const TrackFit& with, const TrackFit& without) {
   const Vector4d d = path_difference(with.path.F, with.path.kap, without.path.F.col(0), without.path.curvature());
   const Eigen::Matrix2d roll = with.path.F.rightCols<2>().transpose() * without.path.F.rightCols<2>();
-  Eigen::Matrix4d turn = Eigen::Matrix4d::Zero();
-  turn.topLeftCorner<2, 2>() = turn.bottomRightCorner<2, 2>() = roll;
-  const Eigen::Matrix4d free = turn * without.covariance.block<4, 4>(2, 2) * turn.transpose();
-  Eigen::LLT<Eigen::Matrix4d> factor((1.0 + kGripMargin) * free - with.covariance.block<4, 4>(2, 2));
+  const Eigen::Matrix2d free = roll * without.covariance.block<2, 2>(4, 4) * roll.transpose();
+  Eigen::LLT<Eigen::Matrix2d> factor((1.0 + kGripMargin) * free - with.covariance.block<2, 2>(4, 4));
   if (factor.info() != Eigen::Success) factor.compute(free);
-  return d.dot(factor.solve(d)) < kGripLimit;
+  return d.tail<2>().dot(factor.solve(d.tail<2>())) < kGripLimit;
 }
 
 class Identifier {
@@ -82,10 +80,8 @@ class Identifier {
     const double limit = kOutlier * std::max(robust.scatter, median_of(result_.distance) / kRayleighMedian);
     result_.samples = static_cast<int>(positions_.size());
     result_.inlier.resize(positions_.size());
-    for (std::size_t i = 0; i < positions_.size(); ++i) {
-      result_.inlier[i] = result_.distance[i] <= limit;
-      result_.outliers += result_.inlier[i] ? 0 : 1;
-    }
+    sort_out(limit);
+    result_.outliers = static_cast<int>(std::count(result_.inlier.begin(), result_.inlier.end(), false));
     result_.explained = explained_share();
     start_ = robust.path;
     double length = std::max(kBinLength, 3.0 * noise_of(config_.sensor).position_white);
@@ -95,6 +91,21 @@ class Identifier {
       binned_ = bins_of(track_, positions_, result_.inlier, result_.arc, length);
     }
     if (binned_.bins.size() < 4) throw ConfigError(name_ + ": fewer than 4 places along the path are left without outliers");
+  }
+
+  // Samples beyond the limit are glitches, unless they go on for longer than errors are correlated: then the furniture or
+  // the hand on it is uneven, up to kAstray.
+  void sort_out(double limit) {
+    const double correlated = noise_of(config_.sensor).correlation_length;
+    for (std::size_t i = 0; i < positions_.size();) {
+      std::size_t end = i;
+      double way = 0.0;
+      for (; end < positions_.size() && result_.distance[end] > limit; ++end) {
+        if (end > i) way += (positions_[end] - positions_[end - 1]).norm();
+      }
+      for (; i < end; ++i) result_.inlier[i] = way > correlated && result_.distance[i] < kAstray;
+      if (i < positions_.size()) result_.inlier[i++] = true;
+    }
   }
 
   // Share of the way that belongs to the path: apart from it go runs of samples that are far off one after the other.

@@ -23,10 +23,10 @@ constexpr double kCurvatureFloor = 0.02;  // share of Γ that stays [-]
 constexpr double kPullRate = 20.0;        // rate at which a sure filter draws direction and curvature to itself [1/s]
 constexpr double kMaxTurnRate = 1.5;      // hand-over and restarts turn the direction no faster [rad/s]
 constexpr double kMaxBendRate = 8.0;      // nor bend the curvature faster [1/(m s)]
-// Squared distance of the filters with and without orientation at which the grip pivots: the tail of 1e-4 of χ² with 4
-// degrees of freedom. The covariance of the difference is C_pos - C_rigid, nearly singular in what orientation hardly
-// improves; a fifth of C_pos on top keeps linearisation errors out (docs/equations.md#estimator, 8).
-constexpr double kGripLimit = 28.0;
+// Squared distance of the curvatures with and without orientation at which the grip pivots: the tail of 1e-5 of χ² with 2
+// degrees of freedom. The covariance of the difference is C_free - C_rigid; a fifth of C_free on top keeps linearisation
+// errors out (docs/equations.md#estimator, 8).
+constexpr double kGripLimit = 23.0;
 constexpr double kGripMargin = 0.2;
 constexpr double kStiffnessDoubt = 0.5;  // K_c known to a factor of two: so much of f/K_c is error [-]
 constexpr double kFrozenWay = 1e-3;      // far beyond any encoder's step [m]
@@ -112,25 +112,20 @@ PathEvent MechanismEstimator::Impl::learn_path(const PathSample& sample) {
   return rigid_path.add(sample);
 }
 
-// Hausman's test: if the hand turns with the mechanism, both filters agree within what orientation adds. (8)
+// Hausman's test: if the hand turns with the mechanism, both filters agree within what orientation adds. What it adds is on
+// the curvature: the directions then differ by C_xk C_kk⁻¹ of what the curvatures do, and say nothing of their own. (8)
 void MechanismEstimator::Impl::test_grip() {
   if (!estimate.rigid_grasp || !rigid_path.started() || !free_path.started()) return;
   const PathOutput with = rigid_path.output();
   const PathOutput without = free_path.output();
   const double side = with.F.col(0).dot(without.F.col(0)) < 0.0 ? -1.0 : 1.0;
-  const Vector4d d = path_difference(with.F, with.kap, side * without.F.col(0), side * without.curvature());
-  const double scale = free_path.noise_scale();
-  const Eigen::Matrix4d C_free = without.covariance.block<4, 4>(2, 2);
-  const Eigen::Matrix4d C_rigid = with.covariance.block<4, 4>(2, 2) * (scale / rigid_path.noise_scale());
-  // The frames of the two filters differ by a roll (and k by its sign when x does): one frame for both covariances.
-  Eigen::Matrix4d turn = Eigen::Matrix4d::Zero();
-  const Eigen::Matrix2d roll = with.F.rightCols<2>().transpose() * without.F.rightCols<2>();
-  turn.topLeftCorner<2, 2>() = roll;
-  turn.bottomRightCorner<2, 2>() = side * roll;
-  const Eigen::Matrix4d C_turned = turn * C_free * turn.transpose();
-  const Eigen::Matrix4d gain = (1.0 + kGripMargin) * C_turned - C_rigid;
-  Eigen::LLT<Eigen::Matrix4d> factor(gain);
-  if (factor.info() != Eigen::Success) factor.compute(C_turned + C_rigid);  // after an alarm of one of them
+  const Vector2d d = path_difference(with.F, with.kap, side * without.F.col(0), side * without.curvature()).tail<2>();
+  const double scale = free_path.noise_scale() / rigid_path.noise_scale();
+  const Eigen::Matrix2d C_rigid = scale * with.covariance.block<2, 2>(4, 4);
+  const Eigen::Matrix2d roll = with.F.rightCols<2>().transpose() * without.F.rightCols<2>();  // from frame to frame
+  const Eigen::Matrix2d C_free = roll * without.covariance.block<2, 2>(4, 4) * roll.transpose();
+  Eigen::LLT<Eigen::Matrix2d> factor((1.0 + kGripMargin) * C_free - C_rigid);
+  if (factor.info() != Eigen::Success) factor.compute(C_free + C_rigid);  // after an alarm of one of them
   if (factor.info() != Eigen::Success || !(d.dot(factor.solve(d)) > kGripLimit)) return;
   estimate.rigid_grasp = false;
   estimate.type = MechanismType::Unknown;

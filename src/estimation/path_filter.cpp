@@ -17,12 +17,16 @@ constexpr double kBinLimit[2] = {18.4, 25.7};
 constexpr double kWindowLimit[2] = {52.0, 96.0};
 // Tail of 1e-4 of χ² with 4 degrees of freedom: a fresh fit disagrees in direction or curvature.
 constexpr double kVerifyLimit = 23.5;
+// Tighter than any door (r 0.15 m): a handle turned, and what comes after it is another mechanism [1/m].
+constexpr double kHandleCurvature = 6.7;
 constexpr double kRestartTurn = 0.6;  // a fresh fit this far off replaces the estimate at once (35°) [rad]
 constexpr int kStartBins = 4;         // least bins of the first fit
 constexpr int kVerifyBins = 5;        // least bins of a fresh fit after an alarm
 constexpr int kOutliersInRow = 3;     // the third outlying bin in a row is an alarm
 constexpr int kRejectedInRow = 3;     // at most so many samples are left out in a row
 constexpr double kRestSigma = 5.0;    // bins are at least so many standard deviations of what closes them
+// Bins are at least so many standard deviations of the base's drift within them: steps along the path are taken for exact.
+constexpr double kDriftSigma = 4.0;
 constexpr double kRejectSigma = 6.0;  // a sample further off the curve is left out
 constexpr double kNoisePrior = 20.0;  // ν0: rows of prior data that say "the stated noise is right"
 constexpr double kNoiseFloor = 0.1;   // least noise scale
@@ -35,6 +39,7 @@ constexpr double kSlipTurn = 0.3;
 constexpr double kSlipDirection = 0.05;
 constexpr double kSlipBend = 0.05;
 constexpr double kSlipLever = 0.015;
+constexpr double kSlipSlope = 1.0;  // and it may go on at 45 degrees until a fresh fit agrees
 
 std::size_t row_class(int rows) { return rows == 2 ? 0 : 1; }
 
@@ -143,7 +148,8 @@ bool PathFilter::left_bin(const Vector3d& position) noexcept {
   if (recent_count_ < recent_needed_) return false;
   Vector3d mean = Vector3d::Zero();
   for (std::size_t i = 0; i < needed; ++i) mean += recent_[i] / static_cast<double>(recent_needed_);
-  return (mean - current_.bin.position).norm() > bin_length();
+  const double drift = kDriftSigma * std::sqrt(config_.noise.position_walk * current_.bin.base_travel);
+  return (mean - current_.bin.position).norm() > std::max(bin_length(), drift);
 }
 
 bool PathFilter::far_off(const PathSample& sample) const noexcept {
@@ -197,10 +203,17 @@ void PathFilter::start_from(const PathState& state) noexcept {
   bin_count_ = window_count_ = pending_ = disagreements_ = 0;
 }
 
+void PathFilter::predict(PathState& state, double ds, const PathBin& bin) const noexcept {
+  predict_path(state, ds, bin, config_.noise);
+  state.P.diagonal().segment<2>(4).array() += config_.curvature_walk * std::abs(ds);
+  if (!verifying_) return;
+  // The slip may still be going on: what the hand does across the path says nothing of its direction.
+  state.P.diagonal().head<2>().array() += kSlipSlope * kSlipSlope * ds * ds;
+}
+
 PathEvent PathFilter::step(const PathBin& bin) noexcept {
   const double ds = arc_to(state_, bin.position);
-  predict_path(state_, ds, bin, config_.noise);
-  state_.P.diagonal().segment<2>(4).array() += config_.curvature_walk * std::abs(ds);
+  predict(state_, ds, bin);
   PathState corrected = state_;
   last_ = correct_path(corrected, bin, config_.noise, config_.use_rotation);
   if (!corrected.P.allFinite() || !corrected.p.allFinite()) return PathEvent::BinClosed;
@@ -284,8 +297,9 @@ PathEvent PathFilter::verify(const PathBin& bin) noexcept {
   }
   const Vector4d d = path_difference(state_.F, state_.kap, x, k);
   const Eigen::Matrix4d C = noise_scale_ * (fresh.P.block<4, 4>(2, 2) + state_.P.block<4, 4>(2, 2));
-  if (d.dot(C.llt().solve(d)) > kVerifyLimit) {
-    const bool at_once = d.head<2>().norm() > kRestartTurn || alarm_again_ || disagreements_ > 0;
+  const bool handle = state_.kap.norm() > kHandleCurvature;
+  if (handle || d.dot(C.llt().solve(d)) > kVerifyLimit) {
+    const bool at_once = handle || d.head<2>().norm() > kRestartTurn || alarm_again_ || disagreements_ > 0;
     if (!at_once) {  // a slow slip may still have been going on: once more on fresh bins
       ++disagreements_;
       bin_count_ = 0;
@@ -315,7 +329,7 @@ PathOutput PathFilter::peek(const Vector3d& position) const noexcept {
   PathState state = state_;
   if (started_ && current_.open) {
     const PathBin bin = closed_bin();
-    predict_path(state, arc_to(state, bin.position), bin, config_.noise);
+    predict(state, arc_to(state, bin.position), bin);
     PathState corrected = state;
     const PathCorrection correction = correct_path(corrected, bin, config_.noise, config_.use_rotation);
     const bool outlier = config_.alarms && correction.nis > noise_scale_ * kBinLimit[row_class(correction.rows)];

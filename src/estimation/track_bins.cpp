@@ -37,7 +37,6 @@ TypeThresholds thresholds_of(SensorKind sensor, double length) {
   if (sensor == SensorKind::Robot) return thresholds;
   const double bend = 8.0 * kSlideSagitta / std::max(length * length, 1e-9);
   return {.slide_curvature = std::clamp(bend, thresholds.slide_curvature, kMostSlideCurvature),
-          .hinge_curvature = 0.6,
           .threshold = 20.0,
           .slide_threshold = 20.0};
 }

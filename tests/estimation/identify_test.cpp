@@ -123,6 +123,22 @@ TEST(Identify, TakesTheStretchOfTheGraspOffWhereForcesAreRecorded) {
   EXPECT_GT(identify(track, {.sensor = SensorKind::Robot}).curvature.norm(), 0.04);
 }
 
+TEST(Identify, KeepsAWayBackBesideTheWayOutAndDropsSingleGlitches) {
+  // A slide out by 30 cm and back by 10 cm, 4 mm beside it; on the way out six samples are 6 mm off.
+  Track track;
+  for (int i = 0; i < 400; ++i) {
+    const bool back = i >= 300;
+    const double s = 0.001 * (back ? 599 - i : i);
+    const double wiggle = 0.2e-3 * std::sin(0.7 * i);
+    const bool glitch = !back && i % 50 == 20;
+    track.samples.push_back({.position = Vector3d(s, back ? 0.004 : 0.0, wiggle + (glitch ? 0.006 : 0.0))});
+  }
+  const Identification found = identify(track);
+  EXPECT_EQ(found.outliers, 6);
+  EXPECT_FALSE(found.inlier[120]);
+  EXPECT_TRUE(found.inlier[350]);
+}
+
 TEST(Identify, CallsAPathOfTwoMechanismsUnknown) {
   // 20 cm straight on; then round a corner for as much, or along an arc of 20 cm radius.
   for (const bool corner : {true, false}) {

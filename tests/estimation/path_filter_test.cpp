@@ -170,6 +170,56 @@ TEST(PathFilter, SlipAcrossTheMotionRaisesAnAlarmAndIsForgotten) {
   EXPECT_GE(good, 27);
 }
 
+TEST(PathFilter, SlipThatGoesOnAfterTheAlarmIsNotTakenForATurnOfThePath) {
+  Random rng(10);
+  PathFilterConfig config;
+  config.noise = robot_noise();
+  int good = 0;
+  for (int run = 0; run < 30; ++run) {
+    const TruePath path = test::random_path(0.6, rng);
+    Measured measured(path, config.noise, rng);
+    PathFilter filter(config);
+    const Vector3d across = path.F.col(1 + run % 2);
+    for (double s = 0.0; s < 0.37; s += kSpacing) {
+      PathSample sample = measured.at(s);
+      sample.position += 0.01 * std::clamp((s - 0.25) / 0.02, 0.0, 1.0) * (path.turn(s) * across);
+      (void)filter.add(sample);
+    }
+    // Across the axis by 1 cm the mechanism's own direction changes by up to 1/60 rad, 0.95°.
+    good += test::own_gauge_error(filter.output(), path, 0.37).head<2>().norm() < 2.0 * kDegree ? 1 : 0;
+  }
+  EXPECT_GE(good, 27);
+}
+
+TEST(PathFilter, DriftOfTheBaseAlongThePathDoesNotMakeTheDirectionSurer) {
+  // 2 cm/√m: 0.9 mm in each 2 mm of way, along the path as well as across it. Errors of the stated size are 2σ in 95 %.
+  Random rng(11);
+  PathFilterConfig config;
+  config.noise = robot_noise();
+  config.noise.position_walk = 4e-4;
+  config.use_rotation = false;
+  int inside = 0;
+  constexpr int kRuns = 100;
+  for (int run = 0; run < kRuns; ++run) {
+    TruePath path = test::random_path(0.0, rng);
+    Measured measured(path, config.noise, rng);
+    PathFilter filter(config);
+    Vector3d drift = Vector3d::Zero();
+    for (double s = 0.0; s < 0.8; s += kSpacing) {
+      PathSample sample = measured.at(s);
+      drift += rng.normal3(0.02 * std::sqrt(kSpacing));
+      sample.position += drift;
+      sample.base_travel = kSpacing;
+      (void)filter.add(sample);
+    }
+    path.origin += drift;
+    const PathOutput out = filter.output();
+    const Vector4d error = test::own_gauge_error(out, path, 0.8);
+    for (int i = 0; i < 2; ++i) inside += std::abs(error[i]) < 2.0 * std::sqrt(out.covariance(2 + i, 2 + i)) ? 1 : 0;
+  }
+  EXPECT_GE(inside, 172);  // of 200, 3 standard deviations below 0.92
+}
+
 TEST(PathFilter, RestartsWhenTheMechanismItselfChanges) {
   // A lever of 10 cm for 6 cm of arc, then a door 30° to 80° off.
   Random rng(12);

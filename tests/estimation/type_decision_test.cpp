@@ -16,20 +16,20 @@ TEST(TypeDecision, SureCurvatureIsAHinge) {
 }
 
 TEST(TypeDecision, SureStraightnessIsASlide) {
-  EXPECT_EQ(decide_type({0.0, 0.0}, 0.01 * kUnit, {}), MechanismType::Slide);  // D_h = 0.25/0.01 = 25
+  EXPECT_EQ(decide_type({0.0, 0.0}, 0.01 * kUnit, {}), MechanismType::Slide);  // D_h = 0.36/0.01 = 36
   EXPECT_EQ(decide_type({0.02, -0.03}, 0.001 * kUnit, {}), MechanismType::Slide);
 }
 
 TEST(TypeDecision, SaysUnknownUntilTheDataDecide) {
   EXPECT_EQ(decide_type({0.0, 1.2}, 1.0 * kUnit, {}), MechanismType::Unknown);
-  EXPECT_EQ(decide_type({0.0, 0.0}, 0.02 * kUnit, {}), MechanismType::Unknown);  // D_h = 12.5
+  EXPECT_EQ(decide_type({0.0, 0.0}, 0.03 * kUnit, {}), MechanismType::Unknown);  // D_h = 12
   EXPECT_EQ(decide_type({0.2, 0.1}, 0.01 * kUnit, {}), MechanismType::Unknown);
 }
 
 TEST(TypeDecision, ThresholdIsWhereTheFormulaPutsIt) {
-  // kap = 0: D_h - D_s = k_min²/σ²; equal to T = 15 at σ² = 0.25/15.
-  EXPECT_EQ(decide_type({0.0, 0.0}, (0.25 / 15.0 * 0.999) * kUnit, {}), MechanismType::Slide);
-  EXPECT_EQ(decide_type({0.0, 0.0}, (0.25 / 15.0 * 1.001) * kUnit, {}), MechanismType::Unknown);
+  // kap = 0: D_h - D_s = k_min²/σ²; equal to T = 15 at σ² = 0.36/15.
+  EXPECT_EQ(decide_type({0.0, 0.0}, (0.36 / 15.0 * 0.999) * kUnit, {}), MechanismType::Slide);
+  EXPECT_EQ(decide_type({0.0, 0.0}, (0.36 / 15.0 * 1.001) * kUnit, {}), MechanismType::Unknown);
 }
 
 TEST(TypeDecision, BadNumbersDecideNothing) {

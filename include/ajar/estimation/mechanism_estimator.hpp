@@ -17,9 +17,9 @@ struct EstimatorConfig {
   double still_speed = 0.004;             ///< Below this the hand counts as still [m/s]
   double stuck_turn_rate = 0.15;          ///< Largest rate at which reaction force turns the guess of a stuck handle [rad/s]
   double slide_curvature = 0.05;          ///< k_s of the type decision [1/m]
-  double hinge_curvature = 0.5;           ///< k_min of the type decision [1/m]
+  double hinge_curvature = 0.6;           ///< k_min of the type decision: hinges up to 1.7 m [1/m]
   double type_threshold = 15.0;           ///< T of the decision for a hinge [-]
-  double slide_threshold = 8.0;           ///< T of the decision for a slide [-]
+  double slide_threshold = 9.0;           ///< T of the decision for a slide [-]
   double relative_curvature_floor = 0.1;  ///< Furniture is no circle: σ_k ≥ this · |k| [-]
   bool use_rotation = true;               ///< False: the grip is known to pivot, positions only
   bool operator==(const EstimatorConfig&) const = default;

@@ -97,6 +97,7 @@ class PathFilter {
   [[nodiscard]] bool far_off(const PathSample& sample) const noexcept;
   [[nodiscard]] PathEvent take_bin(const PathBin& bin) noexcept;
   [[nodiscard]] PathEvent try_start(const PathBin& bin) noexcept;
+  void predict(PathState& state, double ds, const PathBin& bin) const noexcept;
   [[nodiscard]] PathEvent step(const PathBin& bin) noexcept;
   [[nodiscard]] PathEvent verify(const PathBin& bin) noexcept;
   void learn_noise(const PathCorrection& correction) noexcept;

@@ -8,7 +8,7 @@ namespace ajar {
 /// Thresholds of the type decision. (docs/equations.md#estimator)
 struct TypeThresholds {
   double slide_curvature = 0.05;  ///< k_s: what a slide may curve [1/m]
-  double hinge_curvature = 0.5;   ///< k_min: what a hinge curves at least [1/m]
+  double hinge_curvature = 0.6;   ///< k_min: what a hinge curves at least [1/m]
   double threshold = 15.0;        ///< T: difference of the squared distances that decides for a hinge [-]
   double slide_threshold = 15.0;  ///< The same for a slide [-]
 };
