@@ -76,7 +76,6 @@ class WbcCase : public ClearanceCase {
     checker_.compute(robot_, base_, rows_);
     problem_.kinematics = &kinematics_;
     problem_.q = &q_;
-    problem_.measured = InputVector::Zero(robot_.inputs());
     problem_.clearance = &rows_;
     problem_.tangential << 0.1 * random_.direction(), 0.1 * random_.direction();
     problem_.base = {random_.uniform(-0.1, 0.1), random_.uniform(-0.2, 0.2)};

@@ -64,7 +64,6 @@ WbcConfig limits_as_config(const PathProblem& problem) {
   config.rate_scale = limits[0] / problem.robot().limits().velocity[0];
   config.base_yaw_rate = limits[6];
   config.base_forward = config.base_reverse = limits[7];
-  config.base_share = 1.0;  // this base follows at once
   // The cost that the others have: radians count as metres, all secondary wishes alike.
   config.length = 1.0;
   config.base_speed_weight = config.base_turn_weight = 1.0;
@@ -81,7 +80,6 @@ class Ajar : public Contestant {
   explicit Ajar(const PathProblem& problem)
       : problem_(problem), robot_(problem.robot()), controller_(robot_, limits_as_config(problem), PathProblem::kPeriod) {
     task_.kinematics = &kinematics_;
-    task_.measured = InputVector::Zero(8);  // without effect: the commanded base motion counts fully
   }
 
   // All others ignore accelerations and start at full speed: so do we, by standing at the first step until it is reached.

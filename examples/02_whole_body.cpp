@@ -32,7 +32,6 @@ int main() {
   Kinematics kinematics;
   WbcProblem problem;
   WbcSolution solution;
-  problem.measured = InputVector::Zero(robot.inputs());
   double worst = 0.0;
   for (double arc = 0.0; arc < 0.5 * M_PI * radius; arc += speed * solution.speed_factor * dt) {
     const Matrix3d turned = exp_so3(arc * curvature);
@@ -52,7 +51,6 @@ int main() {
     if (controller.solve(problem, solution) == WbcStatus::Invalid) return 1;
     q += dt * solution.u.head(robot.joints());
     base = integrate_base(base, solution.u[robot.joints() + 1], solution.u[robot.joints()], dt);
-    problem.measured = solution.u;
   }
   std::printf("hand within %.2f mm, base at (%.2f, %.2f, %.0f°)\n", 1e3 * worst, base.x, base.y, 57.3 * base.yaw);
   return worst < 0.005 ? 0 : 1;

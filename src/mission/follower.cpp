@@ -22,7 +22,8 @@ constexpr double kFreeTurn = 0.3;
 
 bool is_finite(const RobotState& s) {
   return s.q.allFinite() && s.dq.allFinite() && std::isfinite(s.base.x) && std::isfinite(s.base.y) &&
-         std::isfinite(s.base.yaw) && std::isfinite(s.base_v) && std::isfinite(s.base_w) && std::isfinite(s.time);
+         std::isfinite(s.base.yaw) && std::isfinite(s.base_v) && std::isfinite(s.base_w) && std::isfinite(s.base_age) &&
+         std::isfinite(s.time);
 }
 
 Vector3d bounded(const Vector3d& v, double limit) {
@@ -64,6 +65,7 @@ struct Follower::Impl {
         navigator(settings.navigation, settings.period),
         qp(model, settings.wbc, settings.period),
         base_law(settings.base_law),
+        predictor(settings.drives, model.joints(), settings.period, settings.dead_time),
         clearance(model, settings.clearance) {
     if (config.controller == "thesis") thesis.emplace(model, config.thesis, config.wbc, config.period);
     command.dq = JointVector::Zero(model.joints());
@@ -83,7 +85,8 @@ struct Follower::Impl {
   void approach(const RobotState& state) noexcept;
   void begin(const RobotState& state) noexcept;
   void follow(const RobotState& state) noexcept;
-  [[nodiscard]] WbcProblem problem(const RobotState& state) noexcept;
+  [[nodiscard]] WbcProblem problem() noexcept;
+  [[nodiscard]] BaseLawOutput drive(const WbcProblem& task) noexcept;
 
   RobotModel model;
   MissionConfig config;
@@ -92,6 +95,9 @@ struct Follower::Impl {
   WholeBodyController qp;
   std::optional<ThesisController> thesis;
   BaseLaw base_law;
+  StatePredictor predictor;
+  PredictedState ahead;
+  Kinematics kinematics;
   ClearanceChecker clearance;
 
   Phase phase = Phase::Approach;
@@ -133,16 +139,15 @@ void Follower::Impl::begin(const RobotState& state) noexcept {
 }
 
 // V = s (x, k) on the path with feedback of the pose, or the same twist in the axes of the hand as it is.
-WbcProblem Follower::Impl::problem(const RobotState& state) noexcept {
-  const Pose& hand = record.kinematics.X_WE;
+WbcProblem Follower::Impl::problem() noexcept {
+  const Pose& hand = kinematics.X_WE;
   const bool closed = config.follow.feedback > 0.0;
   const Pose wanted = closed ? pose_on_path(path, start, arc) : hand;
   const double speed = config.follow.speed;
   WbcProblem out;
-  out.kinematics = &record.kinematics;
-  out.q = &state.q;
-  out.measured.resize(model.inputs());
-  out.measured << state.dq, state.base_w, state.base_v;
+  out.kinematics = &kinematics;
+  out.q = &ahead.q;
+  out.base_motion = ahead.base_motion;
   out.tangential << speed * (wanted.linear() * path.direction), speed * (wanted.linear() * path.curvature);
   if (closed) {
     const double gain = config.follow.feedback;
@@ -156,8 +161,31 @@ WbcProblem Follower::Impl::problem(const RobotState& state) noexcept {
   return out;
 }
 
+// The base answers later than the arm: its law sees the hand where it will be by then.
+BaseLawOutput Follower::Impl::drive(const WbcProblem& task) noexcept {
+  const double speed = config.follow.speed;
+  Pose hand = Pose::Identity();
+  hand.translation() = kinematics.X_WE.translation();
+  const HandPath tangent{task.tangential.head<3>() / speed, task.tangential.tail<3>() / speed, 0.0};
+  const Pose then = pose_on_path(tangent, hand, speed * record.solution.speed_factor * ahead.base_lead);
+  return base_law.step({.dt = config.period,
+                        .base = ahead.base_end,
+                        .hand = then.translation(),
+                        .direction = then.linear() * tangent.direction,
+                        .curvature = tangent.curvature,
+                        .wanted_speed = speed,
+                        .measured_speed = speed * record.solution.speed_factor,
+                        .confidence = 1.0});
+}
+
 void Follower::Impl::follow(const RobotState& state) noexcept {
-  WbcProblem task = problem(state);
+  ahead = predictor.predict(state);
+  if (thesis) {  // it acts on what is measured
+    ahead.base = state.base;
+    ahead.q = state.q;
+  }
+  model.compute(ahead.base, ahead.q, kinematics);
+  WbcProblem task = problem();
   const double speed = config.follow.speed;
   const HeadingReference planar = heading_reference(task.tangential);
   if (planar.valid) heading = planar.heading;
@@ -165,16 +193,9 @@ void Follower::Impl::follow(const RobotState& state) noexcept {
     (void)thesis->solve(task, record.solution);  // the status travels in the solution
     record.base.lag = std::abs(record.kinematics.distance - config.thesis.distance);
   } else {
-    record.base = base_law.step({.dt = config.period,
-                                 .base = state.base,
-                                 .hand = record.kinematics.X_WE.translation(),
-                                 .direction = task.tangential.head<3>() / speed,
-                                 .curvature = task.tangential.tail<3>() / speed,
-                                 .wanted_speed = speed,
-                                 .measured_speed = speed * record.solution.speed_factor,
-                                 .confidence = 1.0});
+    record.base = drive(task);
     task.base = record.base.twist;
-    clearance.compute(model, state.base, clearances);
+    clearance.compute(model, ahead.base, clearances);
     task.clearance = &clearances;
     task.clearance_config = config.clearance;
     (void)qp.solve(task, record.solution);
@@ -202,8 +223,6 @@ Follower::~Follower() = default;
 Command Follower::step(const RobotState& measured) noexcept {
   Impl& m = *impl_;
   RobotState state = measured;
-  state.base = base_now(measured);
-  state.base_age = 0.0;
   if (finished()) return m.command;
   m.record.solution.status = WbcStatus::Ok;
   m.record.solution.binding = BindingLimit::None;
@@ -215,6 +234,7 @@ Command Follower::step(const RobotState& measured) noexcept {
   } else if (state.time > m.config.limits.time) {
     m.stop(EndReason::TimeLimit);
   } else {
+    m.predictor.refresh(state);
     m.model.compute(state.base, state.q, m.record.kinematics);
     m.record.solution.sigma_min = arm_sigma_min(m.record.kinematics);
     if (m.phase == Phase::Approach) {
@@ -223,6 +243,7 @@ Command Follower::step(const RobotState& measured) noexcept {
       m.follow(state);
     }
   }
+  m.predictor.sent(m.command);
   m.record.phase = m.phase;
   m.record.reason = m.why;
   return m.command;

@@ -62,6 +62,7 @@ void MissionConfig::validate() const {
   force.validate();
   estimator.validate();
   follow.validate();
+  drives.validate();
   if (task != "open" && task != "follow") throw ConfigError(fmt::format("task: {}: must be open or follow", task));
   const auto positive = [](const char* key, double value) {
     if (!(std::isfinite(value) && value > 0.0)) {

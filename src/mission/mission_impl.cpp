@@ -11,15 +11,6 @@
 namespace ajar {
 namespace {
 
-// Time in which a base that is told a speed has taken it up: lag of the drives and its acceleration limit [s].
-constexpr double kBaseTime = 0.3;
-
-// What was measured says less of the base's motion the later a command takes effect. (docs/equations.md#qp)
-WbcConfig foresee_base(WbcConfig config, double delay) {
-  config.base_share = 1.0 - (1.0 - config.base_share) * std::exp(-delay / kBaseTime);
-  return config;
-}
-
 constexpr double kBlockedTime = 1.2;      // two base lags and delays of a slow base, with reserve [s]
 constexpr double kBlockedCommand = 0.03;  // below this stiction may hold the base: docking minimum of the drive [m/s]
 constexpr double kBlockedTurn = 0.06;     // [rad/s]
@@ -42,8 +33,8 @@ MissionConfig with_one_force_limit(MissionConfig config) {
 
 bool finite(const RobotState& s) {
   return s.q.allFinite() && s.dq.allFinite() && s.sensor_force.allFinite() && s.sensor_torque.allFinite() &&
-         std::isfinite(s.base.x) && std::isfinite(s.base.y) && std::isfinite(s.base.yaw) && std::isfinite(s.base_v) &&
-         std::isfinite(s.base_w) && std::isfinite(s.time) && std::isfinite(s.gripper_opening);
+         std::isfinite(s.base_age) && std::isfinite(s.base.x) && std::isfinite(s.base.y) && std::isfinite(s.base.yaw) &&
+         std::isfinite(s.base_v) && std::isfinite(s.base_w) && std::isfinite(s.time) && std::isfinite(s.gripper_opening);
 }
 
 }  // namespace
@@ -85,8 +76,9 @@ Mission::Impl::Impl(const RobotModel& robot, const MissionConfig& settings, std:
       seed(run_seed),
       navigator(settings.navigation, settings.period),
       planner(model, settings.planner, settings.wbc, settings.base_law, settings.clearance),
-      controller(model, foresee_base(settings.wbc, settings.period + settings.dead_time), settings.period),
+      controller(model, settings.wbc, settings.period),
       clearance(model, settings.clearance),
+      predictor(settings.drives, model.joints(), settings.period, settings.dead_time),
       wrench(model),
       opener(model, config),
       prober(steady_probing(settings)),
@@ -118,8 +110,7 @@ void Mission::Impl::correct_odometry(const HandleBelief& seen_again) noexcept {
 
 Command Mission::Impl::step(const RobotState& measured) noexcept {
   RobotState state = measured;
-  state.base = localise(base_now(measured));
-  state.base_age = 0.0;
+  state.base = localise(measured.base);
   if (phase == Phase::Done || phase == Phase::Stopped) {
     command_zero();
     return command;
@@ -130,11 +121,14 @@ Command Mission::Impl::step(const RobotState& measured) noexcept {
   record.reference.setZero();
   record.wanted_speed = 0.0;
   if (!unhealthy(state)) {
+    predictor.refresh(state);
     model.compute(state.base, state.q, record.kinematics);
     record.wrench = wrench.hand_wrench(state, record.kinematics);
-    record.solution.sigma_min = arm_sigma_min(record.kinematics);
+    record.solution.sigma_min = arm_sigma_min(record.kinematics, config.wbc.length, sigma_track);
     if (!too_much(state) && !base_blocked(state)) {
       time_in_phase += config.period;
+      ahead.robot = predictor.predict(state);
+      model.compute(ahead.robot.base, ahead.robot.q, ahead.kinematics);
       try {
         switch (phase) {
           case Phase::Choose: choose(state); break;
@@ -142,7 +136,7 @@ Command Mission::Impl::step(const RobotState& measured) noexcept {
           case Phase::Reach: reach(state); break;
           case Phase::Zero: zero(state); break;
           case Phase::Grasp: grasp(state); break;
-          case Phase::Probe: probe(state); break;
+          case Phase::Probe: probe(); break;
           case Phase::Open: open(state); break;
           case Phase::Regrasp: regrasp(state); break;
           case Phase::Release: release(state); break;
@@ -157,6 +151,7 @@ Command Mission::Impl::step(const RobotState& measured) noexcept {
     }
   }
   if (!command.dq.allFinite() || !std::isfinite(command.base_v) || !std::isfinite(command.base_w)) command_zero();
+  predictor.sent(command);
   record.phase = phase;
   record.reason = why;
   return command;

@@ -53,16 +53,16 @@ struct Mission::Impl {
   void zero(const RobotState& state) noexcept;
   void grasp(const RobotState& state) noexcept;
   void close_fingers(const RobotState& state) noexcept;
-  void probe(const RobotState& state) noexcept;
+  void probe() noexcept;
   void open(const RobotState& state) noexcept;
   bool found_to_open_away(EndDetector::Verdict verdict) noexcept;
   bool better_held_otherwise(EndDetector::Verdict verdict) noexcept;
   bool lead_back(const RobotState& state) noexcept;
   [[nodiscard]] Opener::Tick tick(const RobotState& state) noexcept;
-  bool let_go(const RobotState& state, double give_time) noexcept;
-  [[nodiscard]] Vector3d way_out(const RobotState& state) noexcept;
+  bool let_go(double give_time) noexcept;
+  [[nodiscard]] Vector3d way_out() noexcept;
   bool start_folding(const RobotState& state);
-  bool shut(const RobotState& state) noexcept;
+  bool shut() noexcept;
   void regrasp(const RobotState& state);
   void release(const RobotState& state);
   void retreat(const RobotState& state) noexcept;
@@ -70,8 +70,8 @@ struct Mission::Impl {
   void process(Event event, EndReason why = EndReason::Running) noexcept;
   void enter(Phase next) noexcept;
   // Moves the hand towards a pose; returns the position error [m].
-  double move_hand(const RobotState& state, const Pose& target, double speed, bool base_fixed = true) noexcept;
-  void solve_hand_twist(const RobotState& state, const Vector6d& twist, bool base_fixed = true) noexcept;
+  double move_hand(const Pose& target, double speed, bool base_fixed = true) noexcept;
+  void solve_hand_twist(const Vector6d& twist, bool base_fixed = true) noexcept;
   void command_zero() noexcept;
   void command_solution() noexcept;
   void command_joints(const JointVector& rates) noexcept;
@@ -87,6 +87,9 @@ struct Mission::Impl {
   GraspPlanner planner;
   WholeBodyController controller;
   ClearanceChecker clearance;
+  StatePredictor predictor;
+  Foreseen ahead;
+  SigmaTrack sigma_track;
   WrenchEstimator wrench;
   Opener opener;
   Prober prober;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "ajar/core/so3.hpp"
+#include "ajar/mission/follower.hpp"
 #include "ajar/planning/hypotheses.hpp"
 #include "ajar/planning/passage.hpp"
 
@@ -127,11 +128,14 @@ double Opener::wanted_speed(const ForceCorrection& correction, double along) noe
                           .force_cap = force_cap(estimate)});
 }
 
-BaseLawOutput Opener::drive(const Tick& tick, const MechanismEstimate& estimate, double speed, double along) noexcept {
+BaseLawOutput Opener::drive(const PredictedState& robot, const MechanismEstimate& estimate, const Pose& hand, double along,
+                            double speed) noexcept {
+  // The base answers later than the arm: its law sees the hand where it will be by then.
+  const Pose then = pose_on_path({estimate.direction, estimate.curvature, 0.0}, hand, along * robot.base_lead);
   const BaseLawOutput base = base_law_.step({.dt = config_.period,
-                                             .base = tick.state.base,
-                                             .hand = tick.kin.X_WE.translation(),
-                                             .direction = estimate.direction,
+                                             .base = robot.base_end,
+                                             .hand = then.translation(),
+                                             .direction = then.linear() * estimate.direction,
                                              .curvature = estimate.curvature,
                                              .wanted_speed = speed,
                                              .measured_speed = along,
@@ -175,17 +179,22 @@ void Opener::learn(const RobotState& state, const Kinematics& kin, const HandWre
 // The whole body for a wanted hand speed along the way: base, believed scene, distance rows, hand twist.
 void Opener::move(const Tick& tick, const MechanismEstimate& estimate, const ForceCorrection& correction,
                   double speed) noexcept {
-  const Kinematics& kin = tick.kin;
+  const PredictedState& robot = tick.ahead.robot;
+  const Kinematics& kin = thesis_ ? tick.kin : tick.ahead.kinematics;
   const Matrix3d& R = kin.X_WE.linear();
-  InputVector measured(kin.J.cols());
-  measured << tick.state.dq, tick.state.base_w, tick.state.base_v;
-  const Vector3d& x = estimate.direction;
+  // The way where the hand will be: its direction turns until there.
+  const double way = estimate.direction.dot(kin.X_WE.translation() - tick.kin.X_WE.translation());
+  const Matrix3d turned_ahead = exp_so3(way * estimate.curvature);
+  const Vector3d x = turned_ahead * estimate.direction;
   const Vector3d& k = estimate.curvature;
   const Vector3d bar = R * bar_in_hand_;
   const bool turns = bar_turns(bar, tick.wrench);
-  const Vector3d turned = leaf_turn(estimate);
+  const Vector3d turned = leaf_turn(estimate) + way * k;
+  Pose hand = Pose::Identity();
+  hand.translation() = kin.X_WE.translation();
+  hand.linear() = turned_ahead;
   MissionRecord& record = tick.record;
-  record.base = drive(tick, estimate, speed, x.dot((kin.J * measured).head<3>()));
+  record.base = drive(robot, estimate, hand, estimate.direction.dot(hand_velocity(tick)), speed);
 
   // What is near.
   scene_.update(estimate, kin.X_WE.translation(), turns ? turned : log_so3(R * R_grasp_.transpose()));
@@ -193,15 +202,15 @@ void Opener::move(const Tick& tick, const MechanismEstimate& estimate, const For
 
   WbcProblem problem;
   problem.kinematics = &kin;
-  problem.q = &tick.state.q;
-  problem.measured = measured;
+  problem.q = thesis_ ? &tick.state.q : &robot.q;
+  problem.base_motion = robot.base_motion;
   problem.tangential << speed * x, speed * k;
-  problem.correction << -correction.velocity, -correction.turn;
+  problem.correction << -turned_ahead * correction.velocity, -correction.turn;
   if (turns) pivot_about(bar, turned.dot(bar), correction.turn, R, problem);
   problem.base = record.base.twist;
   problem.base_fixed = confidence(estimate) <= 0.0;
   problem.keep_heading = straight_;
-  tick.clearance.compute(model_, tick.state.base, clearances_);
+  tick.clearance.compute(model_, robot.base, clearances_);
   problem.clearance = &clearances_;
   problem.leaf_velocity_at_hand = speed * x;
   problem.leaf_turn = speed * k;

@@ -99,7 +99,7 @@ void Mission::Impl::approach(const RobotState& state) {
     navigator.set_target(state.base, candidates[candidate].base, upright ? &wall : nullptr);
     planned = true;
   }
-  command_base(navigator.step(state.base));
+  command_base(navigator.step(ahead.robot.base_end));
   if (navigator.arrived()) {
     process(Event::Arrived);
   } else if (time_in_phase > kApproachTime) {
@@ -156,7 +156,7 @@ void Mission::Impl::reach(const RobotState& state) {
     }
     return;
   }
-  command_joints(joint_move.step(state.q, config.period));
+  command_joints(joint_move.step(ahead.robot.q, config.period));
   if (joint_move.done()) {
     process(Event::AtHandle);
   } else if (time_in_phase > kReachTime) {
@@ -170,16 +170,15 @@ void Mission::Impl::zero(const RobotState& state) noexcept {
   if (time_in_phase > kQuietTime + kZeroTime) process(Event::Zeroed);
 }
 
-void Mission::Impl::solve_hand_twist(const RobotState& state, const Vector6d& twist, bool base_fixed) noexcept {
+void Mission::Impl::solve_hand_twist(const Vector6d& twist, bool base_fixed) noexcept {
   WbcProblem problem;
-  problem.kinematics = &record.kinematics;
-  problem.q = &state.q;
-  problem.measured.resize(model.inputs());
-  problem.measured << state.dq, state.base_w, state.base_v;
+  problem.kinematics = &ahead.kinematics;
+  problem.q = &ahead.robot.q;
+  problem.base_motion = ahead.robot.base_motion;
   problem.tangential = twist;
   problem.base_fixed = base_fixed;
   opener.scene().place(clearance, true);
-  clearance.compute(model, state.base, clearances);
+  clearance.compute(model, ahead.robot.base, clearances);
   problem.clearance = &clearances;
   (void)controller.solve(problem, record.solution);  // its status travels in the record
   record.reference = twist;
@@ -187,14 +186,14 @@ void Mission::Impl::solve_hand_twist(const RobotState& state, const Vector6d& tw
   command_solution();
 }
 
-double Mission::Impl::move_hand(const RobotState& state, const Pose& target, double speed, bool base_fixed) noexcept {
-  const Pose& hand = record.kinematics.X_WE;
+double Mission::Impl::move_hand(const Pose& target, double speed, bool base_fixed) noexcept {
+  const Pose& hand = ahead.kinematics.X_WE;
   const Vector3d error = target.translation() - hand.translation();
   Vector3d v = kHandGain * error;
   if (v.norm() > speed) v *= speed / v.norm();
   Vector6d twist;
   twist << v, kHandGain * log_so3(target.linear() * hand.linear().transpose());
-  solve_hand_twist(state, twist, base_fixed);
+  solve_hand_twist(twist, base_fixed);
   return error.norm();
 }
 
@@ -203,7 +202,7 @@ void Mission::Impl::grasp(const RobotState& state) noexcept {
     close_fingers(state);
     return;
   }
-  const double error = move_hand(state, chosen.hand, kHandSpeed);
+  const double error = move_hand(chosen.hand, kHandSpeed);
   const bool touched = error < kNearHandle && record.wrench.force.norm() > kTouchForce;
   if (error < kAtHandle || touched || (time_in_phase > kAdvanceTime && error < kNearHandle)) {
     closing = true;
@@ -240,8 +239,8 @@ void Mission::Impl::close_fingers(const RobotState& state) noexcept {
   }
 }
 
-void Mission::Impl::probe(const RobotState& state) noexcept {
-  solve_hand_twist(state, prober.step(record.kinematics.X_WE, record.wrench, config.period));
+void Mission::Impl::probe() noexcept {
+  solve_hand_twist(prober.step(record.kinematics.X_WE, record.wrench, config.period));
   if (prober.status() == Prober::Status::Found) {
     moving_force = prober.force() + kProbeReserve;
     opener.redirect(record.kinematics, prober.direction(), moving_force);
@@ -281,7 +280,7 @@ void Mission::Impl::open(const RobotState& state) noexcept {
 }
 
 // Gives way to what force is left, opens the fingers and draws the hand back along its axis. True once it is clear.
-bool Mission::Impl::let_go(const RobotState& state, double give_time) noexcept {
+bool Mission::Impl::let_go(double give_time) noexcept {
   // A hand that goes on giving way would not feel a leaf that closes slowly by itself.
   const bool feels = handle.passage && time_in_phase > kEaseTime;
   if (given_until == 0.0) {
@@ -296,14 +295,14 @@ bool Mission::Impl::let_go(const RobotState& state, double give_time) noexcept {
     Vector6d give;
     give << -kRelease * record.wrench.force, -kReleaseTurn * record.wrench.torque;
     if (given_until > 0.0 || feels) give.setZero();
-    solve_hand_twist(state, give, false);
+    solve_hand_twist(give, false);
     command.gripper_closed = given_until == 0.0;
     clear_pose = record.kinematics.X_WE;
-    if (given_until > 0.0) clear_pose.translation() += kWithdraw * way_out(state);
+    if (given_until > 0.0) clear_pose.translation() += kWithdraw * way_out();
     return false;
   }
   // An arm that has no room left draws back with the base.
-  const double left = move_hand(state, clear_pose, kHandSpeed, false);
+  const double left = move_hand(clear_pose, kHandSpeed, false);
   return left < 5.0 * kAtHandle || time_in_phase > kAdvanceTime + given_until;
 }
 
@@ -311,7 +310,7 @@ bool Mission::Impl::let_go(const RobotState& state, double give_time) noexcept {
 void Mission::Impl::release(const RobotState& state) {
   const bool pushed = handle.passage.has_value();
   if (!planned) {
-    const bool clear = let_go(state, pushed ? kHoldTime : kRelaxTime);
+    const bool clear = let_go(pushed ? kHoldTime : kRelaxTime);
     if (pushed && time_in_phase == given_until && presses) {
       command_zero();
       command.gripper_closed = true;
@@ -324,7 +323,7 @@ void Mission::Impl::release(const RobotState& state) {
     }
     return;
   }
-  command_joints(joint_move.step(state.q, config.period));
+  command_joints(joint_move.step(ahead.robot.q, config.period));
   if (joint_move.done()) {
     process(Event::Clear);
   } else if (time_in_phase > kReachTime) {
@@ -334,15 +333,15 @@ void Mission::Impl::release(const RobotState& state) {
 
 // Leads what is held back to where it was taken hold of, so that the hand leaves a frame the way it came. Sideways it gives
 // way. True once it is there or goes no further.
-bool Mission::Impl::shut(const RobotState& state) noexcept {
-  const Pose& hand = record.kinematics.X_WE;
+bool Mission::Impl::shut() noexcept {
+  const Pose& hand = ahead.kinematics.X_WE;
   const Vector3d back = taken_at.translation() - hand.translation();
   const Vector3d along = back.normalized();
   const Vector3d& f = record.wrench.force;
   Vector6d twist;
   twist << std::min(kHandSpeed, kHandGain * back.norm()) * along - kRelease * (f - f.dot(along) * along),
       kHandGain * log_so3(taken_at.linear() * hand.linear().transpose()) - kReleaseTurn * record.wrench.torque;
-  solve_hand_twist(state, twist);
+  solve_hand_twist(twist);
   if (back.norm() < kShut) opener.scene().reset(handle);  // the leaf stands as it was first seen
   return back.norm() < kShut || time_in_phase > kShutTime;
 }
@@ -355,16 +354,16 @@ void Mission::Impl::regrasp(const RobotState& state) {
     return;
   }
   if (!is_shut) {
-    is_shut = shut(state);
+    is_shut = shut();
     if (is_shut) time_in_phase = 0.0;
     return;
   }
   if (!planned) {
     // A leaf that closes by itself is led back to its frame, or it would follow the hand.
-    if (let_go(state, kLeadBackTime) && !start_folding(state)) process(Event::GaveUp, EndReason::Unreachable);
+    if (let_go(kLeadBackTime) && !start_folding(state)) process(Event::GaveUp, EndReason::Unreachable);
     return;
   }
-  command_joints(joint_move.step(state.q, config.period));
+  command_joints(joint_move.step(ahead.robot.q, config.period));
   if (joint_move.done()) {
     process(Event::Clear);
   } else if (time_in_phase > kReachTime + kLeadBackTime) {

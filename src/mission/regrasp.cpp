@@ -26,7 +26,7 @@ constexpr double kFoldStep = 0.05;                     // 5 cm of a stretched ar
 
 // A direction in which the open hand comes away from the leaf as it stands: along its own axis if it can, else turned away
 // from the leaf or from the wall. Judged with the leaf moving the other way, which is the same. (docs/equations.md#way-out)
-Vector3d Mission::Impl::way_out(const RobotState& state) noexcept {
+Vector3d Mission::Impl::way_out() noexcept {
   const Vector3d back = -record.kinematics.X_WE.linear().col(2);
   const Vector3d off = opener.scene().leaf_normal();
   const Vector3d& out = opener.scene().normal();
@@ -37,7 +37,7 @@ Vector3d Mission::Impl::way_out(const RobotState& state) noexcept {
     double room = kFreeWay;
     for (const double s : kWayPoints) {
       opener.scene().place_leaf_moved(clearance, -s * way);
-      clearance.compute(model, state.base, clearances);
+      clearance.compute(model, ahead.robot.base, clearances);
       room = std::min(room, clearances.smallest[static_cast<std::size_t>(ClearanceKind::ArmWorld)]);
     }
     if (room > most + 1e-3) {
@@ -49,7 +49,7 @@ Vector3d Mission::Impl::way_out(const RobotState& state) noexcept {
 }
 
 Opener::Tick Mission::Impl::tick(const RobotState& state) noexcept {
-  return {state, record.kinematics, record.wrench, controller, clearance, record};
+  return {state, record.kinematics, ahead, record.wrench, controller, clearance, record};
 }
 
 // The grasp was chosen for all that might have been behind the handle. Once the way is known it is judged by that alone,

@@ -1,15 +1,8 @@
-#include <algorithm>
 #include <cmath>
 
 #include "ajar/model/robot_model.hpp"
 
 namespace ajar {
-namespace {
-
-// Odometry slower than 10 Hz is not guessed on: by then the base may have turned back.
-constexpr double kOldestOdometry = 0.1;
-
-}  // namespace
 
 Vector2d wheel_speeds(const RobotModel& model, double v, double w) noexcept {
   if (model.base_type() == BaseType::Fixed || !std::isfinite(v) || !std::isfinite(w)) {
@@ -27,11 +20,6 @@ BasePose integrate_base(const BasePose& base, double v, double w, double dt) noe
   const BasePose next{base.x + chord * std::cos(base.yaw + half_turn), base.y + chord * std::sin(base.yaw + half_turn),
                       base.yaw + 2.0 * half_turn};
   return std::isfinite(next.x + next.y + next.yaw) ? next : base;
-}
-
-BasePose base_now(const RobotState& state) noexcept {
-  if (!(state.base_age > 0.0)) return state.base;
-  return integrate_base(state.base, state.base_v, state.base_w, std::min(state.base_age, kOldestOdometry));
 }
 
 }  // namespace ajar

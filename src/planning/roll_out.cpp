@@ -50,11 +50,6 @@ constexpr double kPathGain = 2.0;      // of the roll-out's path error, in place
 // A free grip is brought weakly to where it hinders least (as the loop does).
 constexpr double kPivotCentring = 0.3;  // [1/s]
 
-WbcConfig roll_out_limits(WbcConfig config) {
-  config.base_share = 1.0;  // the model's base does what it is told, without lag
-  return config;
-}
-
 }  // namespace
 
 /// State of one roll-out.
@@ -83,7 +78,7 @@ RollOut::RollOut(const RobotModel& model, const PlannerConfig& config, const Wbc
                  const ClearanceConfig& clearance)
     : model_(model),
       config_(config),
-      wbc_(roll_out_limits(wbc)),
+      wbc_(wbc),
       base_law_(base_law),
       controller_(model, wbc_, config.step),
       clearance_(model, clearance) {}
@@ -213,7 +208,6 @@ RollOutResult RollOut::run(const HandleBelief& belief, const MechanismHypothesis
   controller_.reset();
   WbcSolution solution;
   WbcProblem problem;
-  problem.measured = InputVector::Zero(model_.inputs());
   problem.leaf_obstacle = kLeaf;
   problem.keep_heading = belief.passage.has_value();
   problem.clearance = &clearances_;
@@ -238,7 +232,6 @@ RollOutResult RollOut::run(const HandleBelief& belief, const MechanismHypothesis
     if (roll_out_value(result, hypothesis.soft) < enough) break;
     motion.q += dt * solution.u.head(n);
     motion.base = integrate_base(motion.base, solution.u[n + 1], solution.u[n], dt);
-    problem.measured = solution.u;
     motion.arc += motion.measured * dt;
     result.duration += dt;
   }

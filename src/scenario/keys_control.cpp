@@ -64,7 +64,6 @@ void bind(Section s, WbcConfig& c) {
   s.number("length", c.length, kPositive, "m", "scale of the rotation rows");
   s.number("singular_onset", c.singular_onset, kPositive, "-", "smallest singular value below which joint rates are damped");
   s.number("singular_damping", c.singular_damping, kNotNegative, "-", "damping at a singular arm");
-  s.number("base_share", c.base_share, kShare, "-", "part of the base motion taken as commanded, the rest as measured");
   s.number("free_axis_weight", c.free_axis_weight, kNotNegative, "-", "weight of the turn about a free grip axis");
   s.number("rate_scale", c.rate_scale, {0.0, 1.0, true}, "-", "joint rates used, share of the limit");
   s.number("joint_acceleration", c.joint_acceleration, kPositive, "rad/s²", "upper bound on the model's own limit");
@@ -94,6 +93,13 @@ void bind(Section s, ThesisConfig& c) {
            "damping of the inverse everywhere, as in the thesis's code; 0 = only near a singularity");
   s.flag("unit_weights", c.unit_weights, "inputs unweighted, as in the thesis's code");
   s.flag("printed", c.printed, "equations with the errors of the print, to show what they do");
+}
+
+void bind(Section s, DriveConfig& c) {
+  s.number("arm_lag_s", c.arm_lag, {0.0, 1.0}, "s", "of the joint servos, as the robot believes");
+  s.number("base_lag_s", c.base_lag, {0.0, 2.0}, "s", "of the wheels, as the robot believes");
+  s.number("base_delay_s", c.base_delay, {0.0, 1.0}, "s",
+           "transport delay of base commands beyond delay_ms, as the robot believes");
 }
 
 void bind(Section s, BaseLawConfig& c) {
@@ -165,6 +171,7 @@ void bind(Section s, ClearanceLimits& c, const std::string& what) {
 }  // namespace
 
 void bind_control(Section s, MissionConfig& mission) {
+  bind(s.table("drives"), mission.drives);
   bind(s.table("force"), mission.force);
   bind(s.table("estimator"), mission.estimator);
   bind(s.table("wbc"), mission.wbc);

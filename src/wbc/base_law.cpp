@@ -162,7 +162,9 @@ BaseLawOutput BaseLaw::keep_distance(const BaseLawInput& input) noexcept {
   const double error = wrap_angle(input.base.yaw - heading - (sense < 0.0 ? std::numbers::pi : 0.0));
 
   BaseLawOutput out;
-  out.twist.v = nose.dot(velocity) + (1.0 - beside) * missing * cos_beta / (cos_beta * cos_beta + kSideways);
+  // What the hand's own motion changes of the distance beyond what a base that goes as the hand does would take back.
+  const double change = velocity.dot(ray) - nose.dot(velocity) * cos_beta;
+  out.twist.v = nose.dot(velocity) + (1.0 - beside) * (missing + change) * cos_beta / (cos_beta * cos_beta + kSideways);
   out.twist.w = turn - config_.gain_heading_distance * error;
   out.lag = std::abs(distance - config_.distance);
   out.heading_error = error;

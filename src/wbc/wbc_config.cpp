@@ -25,7 +25,6 @@ void WbcConfig::validate() const {
                        {"length", length, 0.01, 10.0},
                        {"singular_onset", singular_onset, kTiny, 10.0},
                        {"singular_damping", singular_damping, 0.0, kHuge},
-                       {"base_share", base_share, 0.0, 1.0},
                        {"free_axis_weight", free_axis_weight, 0.0, kHuge},
                        {"rate_scale", rate_scale, kTiny, 1.0},
                        {"joint_acceleration", joint_acceleration, kTiny, 1e3},

@@ -43,13 +43,17 @@ bool is_usable(const ClearanceResult& clearance, int joints) {
   return true;
 }
 
+bool is_usable(const BaseMotion& motion) {
+  return std::isfinite(motion.twist.v) && std::isfinite(motion.twist.w) && motion.share >= 0.0 && motion.share <= 1.0;
+}
+
 bool is_usable(const WbcProblem& problem, int joints) {
   const Kinematics* kinematics = problem.kinematics;
   return kinematics != nullptr && problem.q != nullptr && problem.q->size() == joints && problem.q->allFinite() &&
-         problem.measured.size() == joints + 2 && problem.measured.tail<2>().allFinite() &&
-         kinematics->J.cols() == joints + 2 && kinematics->J.allFinite() && kinematics->X_WE.translation().allFinite() &&
-         problem.tangential.allFinite() && problem.correction.allFinite() && problem.free_axis.allFinite() &&
-         std::isfinite(problem.free_axis_rate) && std::isfinite(problem.base.v) && std::isfinite(problem.base.w) &&
+         (!problem.base_motion || is_usable(*problem.base_motion)) && kinematics->J.cols() == joints + 2 &&
+         kinematics->J.allFinite() && kinematics->X_WE.translation().allFinite() && problem.tangential.allFinite() &&
+         problem.correction.allFinite() && problem.free_axis.allFinite() && std::isfinite(problem.free_axis_rate) &&
+         std::isfinite(problem.base.v) && std::isfinite(problem.base.w) &&
          (problem.rates.size() == 0 || (problem.rates.size() == joints && problem.rates.allFinite())) &&
          problem.leaf_velocity_at_hand.allFinite() && problem.leaf_turn.allFinite() &&
          (problem.clearance == nullptr || is_usable(*problem.clearance, joints));
@@ -86,7 +90,7 @@ double braking_need(const WbcProblem& problem) {
 struct WholeBodyController::Impl {
   Impl(const RobotModel& model, const WbcConfig& wbc, double period)
       : config(wbc), limits(make_input_limits(model, wbc, period)), n(limits.joints) {
-    last = InputVector::Zero(n + 2);
+    last = plan = InputVector::Zero(n + 2);
     inverse_square_limit = limits.speed_upper.head(n).cwiseMax(1e-3).array().square().inverse();
     qp.weight[n + 1] = config.base_speed_weight;
     qp.weight[kSpeedFactor] = config.speed_weight;
@@ -100,11 +104,13 @@ struct WholeBodyController::Impl {
   int n;
   JointVector inverse_square_limit;
   InputVector last;
+  InputVector plan;  // last plan: the base's command, and the joint rates that suit it
   SigmaTrack sigma_track;
   InputBounds bounds;
   QpProblem qp;
   QpSolution answer;
   TaskQp solver;
+  TaskQp arm_solver;
   std::array<double, kQpRows> row_scale{};
   int clearance_rows = 0;
   bool stopped = false;  // the solver, before the minimum
@@ -112,25 +118,23 @@ struct WholeBodyController::Impl {
   void build_cost(const WbcProblem& problem, double sigma_min);
   void add_task(const WbcProblem& problem);
   void build_bounds(const WbcProblem& problem);
+  void start_slack();
+  void fix_base(const WbcProblem& problem);
+  bool make_plan(const WbcProblem& problem, WbcSolution& out);
+  bool move_arm(const WbcProblem& problem, WbcSolution& out);
   void add_wheel_rows();
   void add_clearance_rows(const WbcProblem& problem);
   void read(const WbcProblem& problem, WbcSolution& out);
-  [[nodiscard]] BindingLimit binding_limit() const;
+  [[nodiscard]] BindingLimit binding_limit(int inputs) const;
 };
 
-// Rows S (J_a q̇ + J_b (ρ u_b + (1 - ρ) u_b,measured) - s V_t - V_c), those about a free axis exchanged.
+// Rows S (J u - s V_t - V_c), those about a free axis exchanged.
 void WholeBodyController::Impl::add_task(const WbcProblem& problem) {
-  const HandJacobian& J = problem.kinematics->J;
-  const double share = config.base_share;
   auto& A = qp.A;
   auto& b = qp.b;
-  // The rest of the base motion happens whatever is commanded now: measured, bounded against wild readings.
-  const Vector2d measured =
-      problem.measured.tail<2>().cwiseMax(2.0 * limits.speed_lower.tail<2>()).cwiseMin(2.0 * limits.speed_upper.tail<2>());
-  A.block(0, 0, 6, n) = J.leftCols(n);
-  A.block(0, n, 6, 2) = share * J.rightCols(2);
+  A.block(0, 0, 6, n + 2) = problem.kinematics->J;
   A.col(kSpeedFactor).head<6>() = -problem.tangential;
-  b.head<6>() = problem.correction - (1.0 - share) * (J.rightCols(2) * measured);
+  b.head<6>() = problem.correction;
   A.middleRows<3>(3) *= config.length;
   b.segment<3>(3) *= config.length;
   qp.tasks = 6;
@@ -139,10 +143,9 @@ void WholeBodyController::Impl::add_task(const WbcProblem& problem) {
     return;
   }
   const Vector3d axis = problem.free_axis / axis_length;
-  const Vector3d drift = (1.0 - share) * (J.bottomRightCorner<3, 2>() * measured);
   A.row(6) = axis.transpose() * A.middleRows<3>(3);
   A(6, kSpeedFactor) = 0.0;
-  b[6] = config.length * (problem.free_axis_rate - axis.dot(drift));
+  b[6] = config.length * problem.free_axis_rate;
   qp.tasks = config.free_axis_weight > 0.0 ? 7 : 6;
   const Matrix3d P = Matrix3d::Identity() - axis * axis.transpose();
   A.middleRows<3>(3) = (P * A.middleRows<3>(3)).eval();
@@ -167,24 +170,52 @@ void WholeBodyController::Impl::build_cost(const WbcProblem& problem, double sig
 }
 
 void WholeBodyController::Impl::build_bounds(const WbcProblem& problem) {
-  bounds = input_bounds(limits, *problem.q, last, problem.base_fixed, braking_need(problem));
+  const InputVector& before = problem.base_motion ? plan : last;
+  bounds = input_bounds(limits, *problem.q, before, problem.base_fixed, braking_need(problem));
   qp.lower.head(n + 2) = bounds.lower;
   qp.upper.head(n + 2) = bounds.upper;
   qp.upper[kSlack] = 0.0;
   // The slowest motion that the bounds allow meets them all; the base's share of it must also suit the wheels.
   qp.start.head(n + 2) = bounds.lower.cwiseMax(0.0).cwiseMin(bounds.upper);
-  qp.start[kSlack] = 0.0;
   qp.rows = 0;
   clearance_rows = 0;
+  if (problem.clearance != nullptr) {
+    add_clearance_rows(problem);
+  }
   if (limits.base_moves) {
     InputVector start = qp.start.head(n + 2);
     limit_wheels(limits, start);
     qp.start.head(n + 2) = start;
     add_wheel_rows();
   }
-  if (problem.clearance != nullptr) {
-    add_clearance_rows(problem);
+  start_slack();
+}
+
+// The slack with which the start meets the clearance rows.
+void WholeBodyController::Impl::start_slack() {
+  qp.start[kSlack] = 0.0;
+  for (int i = 0; i < clearance_rows; ++i) {
+    qp.start[kSlack] = std::max(qp.start[kSlack], qp.c[i] - qp.C.row(i).head(n + 2).dot(qp.start.head(n + 2)));
   }
+}
+
+// The same problem for the arm alone, with the base moving as it will: not yet as it is told now.
+void WholeBodyController::Impl::fix_base(const WbcProblem& problem) {
+  const Vector2d told(answer.x[n], answer.x[n + 1]);
+  const BaseMotion& motion = *problem.base_motion;
+  // Bounded against wild readings.
+  const Vector2d moving = (Vector2d(motion.twist.w, motion.twist.v) + motion.share * (told - last.tail<2>()))
+                              .cwiseMax(2.0 * limits.speed_lower.tail<2>())
+                              .cwiseMin(2.0 * limits.speed_upper.tail<2>());
+  bounds = input_bounds(limits, *problem.q, last, problem.base_fixed, 0.0);
+  qp.lower.head(n) = bounds.lower.head(n);
+  qp.upper.head(n) = bounds.upper.head(n);
+  qp.start.head(n) = bounds.lower.head(n).cwiseMax(0.0).cwiseMin(bounds.upper.head(n));
+  qp.lower.segment<2>(n) = moving;
+  qp.upper.segment<2>(n) = moving;
+  qp.start.segment<2>(n) = moving;
+  qp.rows = clearance_rows;
+  start_slack();
 }
 
 // |v ± ω b/2| ≤ rim speed.
@@ -215,7 +246,6 @@ void WholeBodyController::Impl::add_clearance_rows(const WbcProblem& problem) {
     }
     qp.C(qp.rows, kSlack) = 1.0;
     qp.c[qp.rows] = least_rate(row, problem.clearance_config);
-    qp.start[kSlack] = std::max(qp.start[kSlack], qp.c[qp.rows] - row.row.dot(qp.start.head(n + 2)));
     row_scale[static_cast<size_t>(qp.rows)] = kClearanceScale;
     ++qp.rows;
     ++clearance_rows;
@@ -225,8 +255,9 @@ void WholeBodyController::Impl::add_clearance_rows(const WbcProblem& problem) {
   }
 }
 
-// The limit whose doubling would lower the cost most: multiplier times the amount by which it enters the bound.
-BindingLimit WholeBodyController::Impl::binding_limit() const {
+// The limit whose doubling would lower the cost most: multiplier times the amount by which it enters the bound. Of the
+// first inputs, i.e. all or the arm's.
+BindingLimit WholeBodyController::Impl::binding_limit(int inputs) const {
   BindingLimit best = BindingLimit::None;
   double gain = 1e-4;  // below the round-off of the multipliers times any limit
   const auto offer = [&](double multiplier, double scale, BindingLimit limit) {
@@ -235,7 +266,7 @@ BindingLimit WholeBodyController::Impl::binding_limit() const {
       best = limit;
     }
   };
-  for (int i = 0; i < n + 2; ++i) {
+  for (int i = 0; i < inputs; ++i) {
     const double step = limits.acceleration[i] * limits.period;
     const auto scale = [&](BindingLimit limit) {
       const bool acceleration = limit == BindingLimit::JointAcceleration || limit == BindingLimit::BaseAcceleration;
@@ -247,22 +278,43 @@ BindingLimit WholeBodyController::Impl::binding_limit() const {
     offer(answer.upper_multiplier[i], scale(high), high);
   }
   for (int i = 0; i < qp.rows; ++i) {
-    const bool wheel = i < qp.rows - clearance_rows;
+    const bool wheel = i >= clearance_rows;
     offer(answer.row_multiplier[i], row_scale[static_cast<size_t>(i)],
           wheel ? BindingLimit::WheelSpeed : BindingLimit::Clearance);
   }
   return best;
 }
 
-void WholeBodyController::Impl::read(const WbcProblem& problem, WbcSolution& out) {
+// Base and arm together, as if the base followed at once: what the base is told, and how fast the path is made.
+bool WholeBodyController::Impl::make_plan(const WbcProblem& problem, WbcSolution& out) {
+  build_bounds(problem);
+  const QpStatus status = solver.solve(qp, answer);
+  if (status == QpStatus::Invalid) return false;
+  stopped = status == QpStatus::Stopped;
   out.u = answer.x.head(n + 2).cwiseMax(bounds.lower).cwiseMin(bounds.upper);
   limit_wheels(limits, out.u);
+  out.binding = binding_limit(n + 2);
+  plan = out.u;
+  return true;
+}
+
+// The arm against the base as it moves.
+bool WholeBodyController::Impl::move_arm(const WbcProblem& problem, WbcSolution& out) {
+  fix_base(problem);
+  const QpStatus status = arm_solver.solve(qp, answer);
+  if (status == QpStatus::Invalid) return false;
+  stopped = stopped || status == QpStatus::Stopped;
+  out.u.head(n) = answer.x.head(n).cwiseMax(bounds.lower.head(n)).cwiseMin(bounds.upper.head(n));
+  const BindingLimit binding = binding_limit(n);
+  if (binding != BindingLimit::None) out.binding = binding;
+  return true;
+}
+
+void WholeBodyController::Impl::read(const WbcProblem& problem, WbcSolution& out) {
   out.speed_factor = std::clamp(answer.x[kSpeedFactor], 0.0, 1.0);
   out.slack = std::max(0.0, answer.x[kSlack]);
-  out.binding = binding_limit();
   const HandJacobian& J = problem.kinematics->J;
-  const Vector2d base = config.base_share * out.u.tail<2>() + (1.0 - config.base_share) * problem.measured.tail<2>();
-  const Vector3d velocity = J.topLeftCorner(3, n) * out.u.head(n) + J.topRightCorner<3, 2>() * base;
+  const Vector3d velocity = J.topRows<3>() * answer.x.head(n + 2);
   out.residual = (velocity - out.speed_factor * problem.tangential.head<3>() - problem.correction.head<3>()).norm();
   if (stopped) {
     out.status = WbcStatus::Stopped;
@@ -287,7 +339,9 @@ void WholeBodyController::reset() noexcept { reset(InputVector::Zero(impl_->n + 
 void WholeBodyController::reset(const InputVector& last_command) noexcept {
   const bool usable = last_command.size() == impl_->n + 2 && last_command.allFinite();
   impl_->last = usable ? last_command : InputVector(InputVector::Zero(impl_->n + 2));
+  impl_->plan = impl_->last;
   impl_->solver.forget();
+  impl_->arm_solver.forget();
   impl_->sigma_track = {};
 }
 
@@ -299,13 +353,10 @@ WbcStatus WholeBodyController::solve(const WbcProblem& problem, WbcSolution& out
   }
   out.sigma_min = arm_sigma_min(*problem.kinematics, impl.config.length, impl.sigma_track);
   impl.build_cost(problem, std::isfinite(out.sigma_min) ? out.sigma_min : 0.0);
-  impl.build_bounds(problem);
-  const QpStatus solved = impl.solver.solve(impl.qp, impl.answer);
-  if (solved == QpStatus::Invalid) {
+  if (!impl.make_plan(problem, out) || (problem.base_motion && !impl.move_arm(problem, out))) {
     brake(out);
     return out.status = WbcStatus::Invalid;
   }
-  impl.stopped = solved == QpStatus::Stopped;
   impl.read(problem, out);
   impl.last = out.u;
   return out.status;
@@ -316,7 +367,7 @@ void WholeBodyController::brake(WbcSolution& out) noexcept {
   out = WbcSolution{};
   out.u = braked_input(impl.limits, impl.last);
   out.status = WbcStatus::Slowed;
-  impl.last = out.u;
+  impl.last = impl.plan = out.u;
 }
 
 }  // namespace ajar

@@ -49,6 +49,7 @@ class FollowerOnHeron : public ::testing::Test {
     config.period = 0.01;
     config.follow.start = config.follow.parking = Vector2d(0.0, 0.0);
     config.base_law.kind = "distance";
+    config.drives = {0.0, 0.0, 0.0};  // it executes commands exactly
     state.q = JointVector(6);
     state.q << -1.86, -1.03, 1.90, -0.87, 1.29, -1.57;
     state.dq = JointVector::Zero(6);

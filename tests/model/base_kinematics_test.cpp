@@ -35,22 +35,6 @@ TEST(BaseKinematics, ArcIsContinuousAcrossTheSwitchToTheSeries) {
   EXPECT_NEAR(below.y, above.y, 2.1e-9);  // the turning rates themselves differ by 4e-9
 }
 
-TEST(BaseKinematics, OldOdometryIsRolledOnByItsAge) {
-  RobotState state;
-  state.base = {0.3, -0.2, 0.4};
-  state.base_v = 0.4;
-  state.base_w = -0.6;
-  EXPECT_EQ(base_now(state).x, state.base.x);
-  state.base_age = 0.024;
-  const BasePose now = integrate_base(state.base, 0.4, -0.6, 0.024);
-  EXPECT_EQ(base_now(state).x, now.x);
-  EXPECT_EQ(base_now(state).yaw, now.yaw);
-  state.base_age = 1e9;  // bounded at 0.1 s
-  EXPECT_NEAR(base_now(state).yaw, 0.4 - 0.06, 1e-12);
-  state.base_age = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_EQ(base_now(state).yaw, 0.4);
-}
-
 TEST(BaseKinematics, DrivingBackUndoesDrivingForth) {
   const BasePose there = integrate_base({1.0, 2.0, 0.3}, 0.5, 0.8, 0.7);
   const BasePose back = integrate_base(there, 0.5, 0.8, -0.7);

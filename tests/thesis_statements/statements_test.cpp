@@ -59,7 +59,7 @@ constexpr Bound kBounds[] = {
     {"6.6", "Without the integral the", false, 0.0, 50.0, 0.0, 20.0},       // promised: 2 cm
     {"6.6", "Without the heading task the", true, 0.10, 0.18, 0.73, 0.95},  // 0.12-0.16 m in the other model
     {"6.6", "Without the heading task j", false, 0.05, 2.0, 0.1, 4.0},
-    {"6.8", "Base and hand", true, 3.0, 9.0, 0.0, 3.0},
+    {"6.8", "Base and hand", true, 3.0, 9.0, 0.0, 15.0},  // ours keeps off its own body in the last 0.1 s
     {"6.8", "The distance", true, 5.0, 20.0, 0.0, 5.0},
     // 0.48 and 0.59 m in the other model. Promised of ours: 2 cm from 0.75 m here, never below 0.45 m.
     {"6.9", "The distance does not converge to 0.75 m, r = 0.5", true, 0.43, 0.53, 0.73, 0.77},
@@ -74,15 +74,15 @@ constexpr Bound kBounds[] = {
     {"6.12", "The base", true, 0.0, 2.0, 0.0, 2.0},
     {"6.11", "Type III: the error", true, 100.0, 1000.0, 0.0, 1.0},
     {"6.11", "Type III: the distance", true, 20.0, 200.0, 0.0, 20.0},
-    // Promised of ours: 10 mm at 50 Hz with up to 100 ms of delay.
-    {"6.14", "The task", true, 20.0, 80.0, 0.0, 10.0},
-    {"6.15", "The task", false, 20.0, 100.0, 0.0, 10.0},
-    {"6.16", "The task", true, 0.5, 10.0, 0.0, 10.0},
+    // Promised of ours: 5 mm at 50 Hz with up to 100 ms of delay.
+    {"6.14", "The task", true, 20.0, 80.0, 0.0, 5.0},
+    {"6.15", "The task", false, 20.0, 100.0, 0.0, 5.0},
+    {"6.16", "The task", true, 0.5, 10.0, 0.0, 5.0},
     {"6.14", "The low", false, 0.0, 3.0, 0.0, 15.0},
     {"6.15", "Type II", true, 0.02, 0.4, 0.0, 0.02},
     {"6.16", "Type III", true, 0.3, 5.0, 0.0, 30.0},
-    {"6.15", "Significant", true, 20.0, 50.0, 0.0, 10.0},
-    {"6.16", "Significant", false, 1.0, 20.0, 0.0, 10.0},
+    {"6.15", "Significant", true, 20.0, 50.0, 0.0, 5.0},
+    {"6.16", "Significant", false, 1.0, 20.0, 0.0, 5.0},
     {"6.17", "The direction is", true, 0.15, 0.4, 0.1, 1.2},
     {"6.17", "The direction c", true, 0.0, 2.0, 0.0, 2.0},
     {"6.17", "The curvature", true, 0.0, 0.1, 0.0, 0.05},

@@ -33,16 +33,14 @@ class HeronWbc : public ::testing::Test {
     WbcProblem p;
     p.kinematics = &kinematics;
     p.q = &q;
-    p.measured = InputVector::Zero(8);
     return p;
   }
 
   // Command at the standstill of a constant problem: all acceleration limits have been left behind.
-  WbcSolution settle(WholeBodyController& wbc, WbcProblem p, int ticks = 1500) {
+  WbcSolution settle(WholeBodyController& wbc, const WbcProblem& p, int ticks = 1500) {
     WbcSolution out;
     for (int tick = 0; tick < ticks; ++tick) {
       (void)wbc.solve(p, out);
-      p.measured = out.u;
     }
     return out;
   }

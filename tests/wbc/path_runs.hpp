@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <random>
 
 #include "ajar/core/so3.hpp"
 #include "ajar/wbc/base_law.hpp"
@@ -42,6 +43,8 @@ struct PathRun {
   double limit_excess = 0.0;  // of any rate or acceleration
   double late = 0.0;          // duration over that of a run that no limit slows [-]
   double arc = 0.0;           // way made [m]
+  double distance = 0.0;      // largest difference from the wanted distance after the first 20 cm [m]
+  double heading = 0.0;       // largest heading error in the second half [rad]
   bool invalid = false;
 };
 
@@ -51,18 +54,42 @@ inline WbcConfig exact_config() {
   config.hand_weight = 1e8;
   config.speed_weight = 1e4;
   config.slack_weight = 1e10;
-  config.base_share = 1.0;                                         // the kinematic base follows at once,
   config.base_acceleration = config.base_yaw_acceleration = 10.0;  // as hard as the robot itself allows
   return config;
 }
 
-inline PathRun follow(const RobotModel& model, BasePose base, JointVector q, const HandPath& path, double speed) {
+// Hand level, z ahead, at a height and as far ahead of the base as the arm allows between 0.5 and 0.8 m.
+inline bool find_posture(const RobotModel& model, double height, JointVector& q) {
+  std::mt19937_64 rng(17);
+  Pose X = Pose::Identity();
+  X.linear() << 0.0, 0.0, 1.0, 0.0, 1.0, 0.0, -1.0, 0.0, 0.0;
+  double best = 0.05;  // a start nearer to singular is no start
+  for (const double ahead : {0.8, 0.7, 0.6, 0.5}) {
+    X.translation() = Vector3d(ahead, 0.0, height);
+    for (int attempt = 0; attempt < 30; ++attempt) {
+      JointVector trial = model.home();
+      for (int i = 0; i < trial.size(); ++i) trial[i] += attempt == 0 ? 0.0 : std::uniform_real_distribution(-1.5, 1.5)(rng);
+      if (!model.solve_ik({}, X, trial)) continue;
+      Kinematics k;
+      model.compute({}, trial, k);
+      if (const double sigma = arm_sigma_min(k); sigma > best) {
+        best = sigma;
+        q = trial;
+      }
+    }
+    if (best > 0.05) return true;
+  }
+  return false;
+}
+
+inline PathRun follow(const RobotModel& model, BasePose base, JointVector q, const HandPath& path, double speed,
+                      const BaseLawConfig& law = {}) {
   constexpr double kDt = 0.002;
   const int n = model.joints();
   const WbcConfig config = exact_config();
   const InputLimits limits = make_input_limits(model, config, kDt);
   WholeBodyController wbc(model, config, kDt);
-  BaseLaw base_law({});
+  BaseLaw base_law(law);
   Kinematics kinematics;
   model.compute(base, q, kinematics);
   const Pose start = kinematics.X_WE;
@@ -78,7 +105,6 @@ inline PathRun follow(const RobotModel& model, BasePose base, JointVector q, con
     WbcProblem p;
     p.kinematics = &kinematics;
     p.q = &q;
-    p.measured = last;
     p.tangential << ramp * (turned * path.direction), ramp * path.curvature;
     p.correction << 2.0 * (wanted.translation() - kinematics.X_WE.translation()),
         2.0 * log_so3(wanted.linear() * kinematics.X_WE.linear().transpose());
@@ -91,7 +117,10 @@ inline PathRun follow(const RobotModel& model, BasePose base, JointVector q, con
     in.wanted_speed = ramp;
     in.measured_speed = out.speed_factor * ramp;
     in.confidence = 1.0;
-    p.base = base_law.step(in).twist;
+    const BaseLawOutput wanted_base = base_law.step(in);
+    p.base = wanted_base.twist;
+    if (run.arc > 0.2) run.distance = std::max(run.distance, std::abs(kinematics.distance - law.distance));
+    if (run.arc > 0.5 * path.length) run.heading = std::max(run.heading, std::abs(wanted_base.heading_error));
     run.invalid = run.invalid || wbc.solve(p, out) == WbcStatus::Invalid;
     const double over = std::max((out.u - limits.speed_upper).maxCoeff(), (limits.speed_lower - out.u).maxCoeff());
     const double jump = ((out.u - last).cwiseAbs() - kDt * limits.acceleration).head(n).maxCoeff();

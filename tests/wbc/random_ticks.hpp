@@ -28,9 +28,7 @@ class RandomTick {
       p.tangential[i] = normal(0.2);
       p.correction[i] = normal(0.05);
     }
-    for (int i = 0; i < 8; ++i) {
-      p.measured[i] = normal(0.5);
-    }
+    if (chance(0.7)) p.base_motion = BaseMotion{{normal(0.5), normal(0.5)}, chance(0.5) ? 0.0 : 0.5};
     p.base = {normal(0.3), normal(0.6)};
     p.base_fixed = chance(0.1);
     p.free_axis = chance(0.3) ? Vector3d(normal(1.0), normal(1.0), normal(1.0)).normalized() : Vector3d(Vector3d::Zero());
@@ -54,7 +52,7 @@ class RandomTick {
     switch (std::uniform_int_distribution<int>(0, 6)(generator_)) {
       case 0: p.tangential[2] = broken(); break;
       case 1: p.correction[4] = broken(); break;
-      case 2: p.measured[7] = broken(); break;
+      case 2: p.base_motion = BaseMotion{{broken(), 0.0}, 0.0}; break;
       case 3: q[3] = broken(); break;
       case 4: p.base.w = broken(); break;
       case 5: p.leaf_turn.z() = broken(); break;

@@ -93,7 +93,6 @@ class HeronThesis : public ::testing::Test {
     WbcProblem p;
     p.kinematics = &kinematics;
     p.q = &q;
-    p.measured = InputVector::Zero(8);
     return p;
   }
 

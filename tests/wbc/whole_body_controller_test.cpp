@@ -5,7 +5,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "ajar/core/error.hpp"
 #include "heron_wbc.hpp"
@@ -43,18 +45,52 @@ TEST_F(HeronWbc, MovesTheBaseAsAskedWhileTheHandStays) {
   EXPECT_LT((kinematics.J * out.u).norm(), 1e-4);
 }
 
-TEST_F(HeronWbc, TakesPartOfTheBaseAsMeasured) {
+TEST_F(HeronWbc, MovesTheArmAgainstTheBaseAsItMoves) {
   WholeBodyController wbc(model, config, kPeriod);
   WbcProblem p = problem();
-  p.measured[kSpeed] = 0.1;  // the base still rolls although nothing is asked
-  WbcSolution out;
-  for (int tick = 0; tick < 500; ++tick) {
-    (void)wbc.solve(p, out);
-  }
-  InputVector effective = out.u;
-  effective.tail<2>() = config.base_share * out.u.tail<2>() + (1.0 - config.base_share) * p.measured.tail<2>();
-  EXPECT_LT((kinematics.J * effective).norm(), 2e-4);
+  p.base_motion = BaseMotion{{0.1, 0.0}, 0.0};  // it still rolls although nothing is asked
+  const WbcSolution out = settle(wbc, p, 500);
+  InputVector motion = out.u;
+  motion.tail<2>() << 0.0, 0.1;
+  EXPECT_LT((kinematics.J * motion).norm(), 2e-4);
   EXPECT_LT(out.residual, 1e-4);
+  EXPECT_EQ(out.u[kSpeed], 0.0);
+}
+
+TEST_F(HeronWbc, CountsTheShareOfTheBaseCommandThatShows) {
+  WholeBodyController wbc(model, config, kPeriod);
+  WbcProblem p = problem();
+  p.base = {0.05, 0.0};
+  p.base_motion = BaseMotion{{0.0, 0.0}, 0.5};  // it stands; half of a change of its command shows at once
+  WbcSolution out;
+  (void)wbc.solve(p, out);
+  InputVector motion = out.u;
+  motion.tail<2>() *= 0.5;
+  EXPECT_GT(out.u[kSpeed], 1e-4);
+  EXPECT_LT((kinematics.J * motion).norm(), 2e-5);
+}
+
+// The base turns 0.15 s after it is told; an arm with a fifth of its rates must still be able to hold the hand then.
+TEST_F(HeronWbc, TellsALateBaseOnlyWhatTheArmCanFollow) {
+  config.rate_scale = 0.05;
+  WholeBodyController wbc(model, config, kPeriod);
+  WbcProblem p = problem();
+  p.base = {0.0, 0.6};
+  constexpr int kLate = 75;
+  std::vector<BaseTwist> told(kLate);
+  double worst = 0.0;
+  double fastest = 0.0;
+  WbcSolution out;
+  for (int tick = 0; tick < 600; ++tick) {
+    p.base_motion = BaseMotion{told[static_cast<size_t>(tick % kLate)], 0.0};
+    (void)wbc.solve(p, out);
+    told[static_cast<size_t>(tick % kLate)] = {out.u[kSpeed], out.u[kTurn]};
+    worst = std::max(worst, out.residual);
+    fastest = std::max(fastest, out.u[kTurn]);
+  }
+  EXPECT_GT(fastest, 0.05);
+  EXPECT_LT(fastest, 0.5);
+  EXPECT_LT(worst, 2e-3);
 }
 
 TEST_F(HeronWbc, SlowsTheTangentialMotionBeforeTheHandTaskIsGivenUp) {
@@ -182,7 +218,7 @@ TEST_F(HeronWbc, BrakesOnBrokenInputWithinItsDecelerations) {
 }
 
 TEST_F(HeronWbc, RefusesWrongSettings) {
-  config.base_share = 1.5;
+  config.rate_scale = 1.5;
   EXPECT_THROW(WholeBodyController(model, config, kPeriod), ConfigError);
   EXPECT_THROW(WholeBodyController(model, {}, 0.0), ConfigError);
 }

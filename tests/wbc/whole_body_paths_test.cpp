@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
-#include <random>
 
 #include "ajar/wbc/input_limits.hpp"
 #include "path_runs.hpp"
@@ -13,36 +12,13 @@ namespace ajar {
 namespace {
 
 namespace fs = std::filesystem;
+using test::find_posture;
 using test::follow;
 using test::HandPath;
 using test::PathRun;
 
 constexpr double kMillimetre = 1e-3;
 constexpr double kFifthDegree = 0.2 * std::numbers::pi / 180.0;
-
-// Hand level, z ahead, at a height and as far ahead of the base as the arm allows between 0.5 and 0.8 m.
-bool find_posture(const RobotModel& model, double height, JointVector& q) {
-  std::mt19937_64 rng(17);
-  Pose X = Pose::Identity();
-  X.linear() << 0.0, 0.0, 1.0, 0.0, 1.0, 0.0, -1.0, 0.0, 0.0;
-  double best = 0.05;  // a start nearer to singular is no start
-  for (const double ahead : {0.8, 0.7, 0.6, 0.5}) {
-    X.translation() = Vector3d(ahead, 0.0, height);
-    for (int attempt = 0; attempt < 30; ++attempt) {
-      JointVector trial = model.home();
-      for (int i = 0; i < trial.size(); ++i) trial[i] += attempt == 0 ? 0.0 : std::uniform_real_distribution(-1.5, 1.5)(rng);
-      if (!model.solve_ik({}, X, trial)) continue;
-      Kinematics k;
-      model.compute({}, trial, k);
-      if (const double sigma = arm_sigma_min(k); sigma > best) {
-        best = sigma;
-        q = trial;
-      }
-    }
-    if (best > 0.05) return true;
-  }
-  return false;
-}
 
 struct Tally {
   int runs = 0;

@@ -15,6 +15,7 @@
 #include "ajar/core/so3.hpp"
 #include "ajar/wbc/base_law.hpp"
 #include "ajar/wbc/input_limits.hpp"
+#include "ajar/wbc/state_predictor.hpp"
 #include "ajar/wbc/whole_body_controller.hpp"
 #include "allocation_guard.hpp"
 #include "heron_wbc.hpp"
@@ -44,7 +45,6 @@ struct DoorRun {
 
 DoorRun open_door(const RobotModel& model, BasePose base, JointVector q, double k, double speed) {
   WbcConfig config;
-  config.base_share = 1.0;  // the kinematic base follows at once
   WholeBodyController wbc(model, config, kPeriod);
   BaseLaw base_law({});
   Kinematics kinematics;
@@ -56,7 +56,6 @@ DoorRun open_door(const RobotModel& model, BasePose base, JointVector q, double 
   const Vector3d centre = start.translation() + curvature.cross(x0) / (k * k);
   DoorRun run;
   WbcSolution out;
-  InputVector measured = InputVector::Zero(8);
   double s = 0.0;  // path of the reference
   for (int tick = 0; tick < 20000 && std::abs(k) * s < 0.5 * std::numbers::pi; ++tick) {
     const Matrix3d turned = exp_so3(s * curvature);
@@ -66,7 +65,6 @@ DoorRun open_door(const RobotModel& model, BasePose base, JointVector q, double 
     WbcProblem p;
     p.kinematics = &kinematics;
     p.q = &q;
-    p.measured = measured;
     p.tangential << ramp * x, ramp * curvature;
     p.correction << 2.0 * (wanted - kinematics.X_WE.translation()),
         2.0 * log_so3(turned * start.linear() * kinematics.X_WE.linear().transpose());
@@ -84,7 +82,6 @@ DoorRun open_door(const RobotModel& model, BasePose base, JointVector q, double 
     q += kPeriod * out.u.head(6);
     base = integrate_base(base, out.u[kSpeed], out.u[kTurn], kPeriod);
     s += kPeriod * out.speed_factor * ramp;
-    measured = out.u;
     model.compute(base, q, kinematics);
     const Matrix3d now = exp_so3(s * curvature);
     const Vector3d on_path = centre + now * (start.translation() - centre);
@@ -121,6 +118,21 @@ TEST(AllocationGuard, SeesTheHeap) {
   EXPECT_GE(test::allocations, before + 2) << probe->sum();
 }
 #endif
+
+TEST(StatePredictor, NeverAllocatesAfterConstruction) {
+  StatePredictor predictor({}, 6, kPeriod, 0.1);
+  Command command;
+  command.dq = JointVector::Constant(6, 0.1);
+  RobotState state;
+  state.q = state.dq = JointVector::Zero(6);
+  state.base_age = 0.02;
+  const long before = test::allocations;
+  predictor.sent(command);
+  predictor.refresh(state);
+  const PredictedState seen = predictor.predict(state);
+  EXPECT_EQ(test::allocations, before);
+  EXPECT_TRUE(seen.q.allFinite());
+}
 
 TEST_F(HeronWbc, NeverAllocatesAndIsFast) {
   WholeBodyController wbc(model, config, kPeriod);

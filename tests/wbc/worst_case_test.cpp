@@ -73,7 +73,8 @@ class WorstCase : public HeronWbc {
     for (int i = 0; i < 6; ++i) p.tangential[i] = wide(take());
     for (int i = 0; i < 6; ++i) p.correction[i] = wide(take());
     p.base = {wide(take()), wide(take())};
-    p.measured.tail<2>() << wide(take()), wide(take());
+    const double late = take();
+    if (late > 0.0) p.base_motion = BaseMotion{{wide(take()), wide(take())}, late};
     p.base_fixed = take() > 0.8;
     const Vector3d axis(take(), take(), take());
     if (axis.norm() > 0.8) p.free_axis = axis.normalized();
@@ -222,8 +223,8 @@ TEST_F(WorstCase, EveryBrokenNumberIsNamedInvalid) {
       [&](double bad) { p.free_axis_rate = bad; },
       [&](double bad) { p.base.v = bad; },
       [&](double bad) { p.base.w = bad; },
-      [&](double bad) { p.measured[kTurn] = bad; },
-      [&](double bad) { p.measured[kSpeed] = bad; },
+      [&](double bad) { p.base_motion = BaseMotion{{bad, 0.0}, 0.0}; },
+      [&](double bad) { p.base_motion = BaseMotion{{0.0, 0.0}, bad}; },
       [&](double bad) { p.rates = JointVector::Constant(6, bad); },
       [&](double bad) { p.leaf_velocity_at_hand.z() = bad; },
       [&](double bad) { p.leaf_turn.x() = bad; },

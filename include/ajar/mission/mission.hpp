@@ -13,6 +13,7 @@
 #include "ajar/navigation/navigator.hpp"
 #include "ajar/planning/grasp_planner.hpp"
 #include "ajar/wbc/base_law.hpp"
+#include "ajar/wbc/state_predictor.hpp"
 #include "ajar/wbc/thesis_controller.hpp"
 #include "ajar/wbc/whole_body_controller.hpp"
 
@@ -84,8 +85,9 @@ struct MissionConfig {
   MissionLimits limits;
   std::string task = "open";  ///< open | follow: a mission, or a Follower with the settings of `follow`
   FollowConfig follow;
-  double period = 0.002;          ///< Control period [s]
-  double dead_time = 0.0;         ///< Transport delay that the robot knows of [s]
+  double period = 0.002;   ///< Control period [s]
+  double dead_time = 0.0;  ///< Transport delay that the robot knows of [s]
+  DriveConfig drives;
   std::string controller = "qp";  ///< qp | thesis; the law while the handle is moved, the rest is the QP's
   /// @throws ConfigError
   void validate() const;

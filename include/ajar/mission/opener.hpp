@@ -8,6 +8,12 @@
 
 namespace ajar {
 
+/// The robot when this tick's command takes effect.
+struct Foreseen {
+  PredictedState robot;
+  Kinematics kinematics;
+};
+
 /// The closed loop while the hand holds the handle: wrench → estimate → hand twist and base motion → whole body.
 class Opener {
  public:
@@ -26,15 +32,16 @@ class Opener {
   /// What one tick works on.
   struct Tick {
     const RobotState& state;
-    const Kinematics& kin;
+    const Kinematics& kin;  ///< As measured: what is learnt
+    const Foreseen& ahead;  ///< What is acted on
     const HandWrench& wrench;
     WholeBodyController& controller;
     ClearanceChecker& clearance;
     MissionRecord& record;  ///< Its estimate, reference, base and solution are filled
   };
 
-  /// One tick of opening. With the thesis's law the controller only learns what was commanded, so that it can go on from
-  /// there. No allocation, no exception, bounded time.
+  /// One tick of opening. The thesis's law acts on what is measured; the controller then only learns what was commanded, so
+  /// that it can go on from there. No allocation, no exception, bounded time.
   [[nodiscard]] EndDetector::Verdict step(const Tick& tick) noexcept;
 
   /// One tick of leading the handle back along the way that was felt, by the same laws; nothing is learnt.
@@ -60,9 +67,12 @@ class Opener {
   /// Tells the estimator what the hand did and felt in this tick. @param velocity  Of the hand, world axes [m/s]
   void learn(const RobotState& state, const Kinematics& kinematics, const HandWrench& wrench,
              const ForceCorrection& correction, const Vector3d& velocity) noexcept;
-  /// @param along  Measured hand speed along the way [m/s]
-  double wanted_speed(const ForceCorrection& correction, double along) noexcept;
-  BaseLawOutput drive(const Tick& tick, const MechanismEstimate& estimate, double speed, double along) noexcept;
+  /// Wanted hand speed. @param along  Measured hand speed along the way [m/s]
+  [[nodiscard]] double wanted_speed(const ForceCorrection& correction, double along) noexcept;
+  /// Motion of the base when it answers to this tick's command. @param hand  Foreseen, linear part along the way
+  /// @param along  Measured hand speed along the way [m/s]  @param speed  Wanted [m/s]
+  [[nodiscard]] BaseLawOutput drive(const PredictedState& robot, const MechanismEstimate& estimate, const Pose& hand,
+                                    double along, double speed) noexcept;
   void move(const Tick& tick, const MechanismEstimate& estimate, const ForceCorrection& correction, double speed) noexcept;
   [[nodiscard]] static Vector3d hand_velocity(const Tick& tick) noexcept;
   /// What was felt, as it is at another place of the way. @param hand  [m]

@@ -135,10 +135,6 @@ struct SigmaTrack {
 /// The pose after driving with constant (v, ω) for dt: exact on the arc, series near ω = 0. (docs/equations.md#unicycle)
 [[nodiscard]] BasePose integrate_base(const BasePose& base, double v, double w, double dt) noexcept;
 
-/// Odometry at the time of the state: rolled on by the measured speeds over its age, at most 0.1 s.
-/// (docs/equations.md#unicycle)
-[[nodiscard]] BasePose base_now(const RobotState& state) noexcept;
-
 /// Finds a robot: a folder name under robots/ of the source or installed tree, or a path to a URDF.
 /// @throws IoError  listing the names that exist
 [[nodiscard]] RobotModel load_robot(const std::string& name_or_path);

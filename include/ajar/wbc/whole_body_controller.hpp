@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 
 #include "ajar/model/clearance.hpp"
 #include "ajar/model/robot_model.hpp"
@@ -11,16 +12,14 @@ namespace ajar {
 struct WbcConfig {
   double hand_weight =
       1e4;  ///< Hand twist rows; 1e8 is exact, 1e4 lets noise of the twist pass by (docs/equations.md#qp) [-]
-  double speed_weight = 1.0;        ///< Tangential speed factor towards 1, below the hand and above the rest [-]
-  double base_speed_weight = 20.0;  ///< (v - v_ref)² [s²/m²]
-  double base_turn_weight = 1.8;    ///< (ω - ω_ref)² [s²/rad²]
-  double rate_weight = 1e-2;        ///< ((q̇_i - wanted) / q̇_max)² [-]
-  double slack_weight = 1e6;        ///< Of the one common slack of the clearance rows [-]
-  double length = 0.3;              ///< L: scale of the rotation rows [m]
-  double singular_onset = 0.08;     ///< σ_min below which joint rates are damped [-]
-  double singular_damping = 3.0;    ///< At σ_min = 0 [-]
-  double base_share =
-      0.25;  ///< ρ_b: part of the base motion taken as commanded, the rest as measured (physics: slow base) [-]
+  double speed_weight = 1.0;           ///< Tangential speed factor towards 1, below the hand and above the rest [-]
+  double base_speed_weight = 20.0;     ///< (v - v_ref)² [s²/m²]
+  double base_turn_weight = 1.8;       ///< (ω - ω_ref)² [s²/rad²]
+  double rate_weight = 1e-2;           ///< ((q̇_i - wanted) / q̇_max)² [-]
+  double slack_weight = 1e6;           ///< Of the one common slack of the clearance rows [-]
+  double length = 0.3;                 ///< L: scale of the rotation rows [m]
+  double singular_onset = 0.08;        ///< σ_min below which joint rates are damped [-]
+  double singular_damping = 3.0;       ///< At σ_min = 0 [-]
   double free_axis_weight = 1.0;       ///< Of the weak turn about a free grip axis [-]
   double rate_scale = 0.32;            ///< Joint rates used, share of the limit [-]
   double joint_acceleration = 8.0;     ///< Upper bound on the model's own limit [rad/s²]
@@ -36,11 +35,17 @@ struct WbcConfig {
   void validate() const;
 };
 
+/// How the base moves while the joint rates of this tick act: it answers later than the arm. (docs/equations.md#late)
+struct BaseMotion {
+  BaseTwist twist;     ///< If the last command goes on
+  double share = 0.0;  ///< Part of a change of the command that shows by then, 0 … 1 [-]
+};
+
 /// One tick's problem. Twists are linear first, world axes, at the hand.
 struct WbcProblem {
   const Kinematics* kinematics = nullptr;      ///< At the measured state
   const JointVector* q = nullptr;              ///< Measured positions
-  InputVector measured;                        ///< Measured (q̇, ω, v)
+  std::optional<BaseMotion> base_motion;       ///< None: the base follows its command at once
   Vector6d tangential = Vector6d::Zero();      ///< Scaled by the speed factor s
   Vector6d correction = Vector6d::Zero();      ///< Never scaled
   Vector3d free_axis = Vector3d::Zero();       ///< Grip turns freely about it: that row becomes weak; zero = none
@@ -87,7 +92,8 @@ struct WbcSolution {
   BindingLimit binding = BindingLimit::None;
 };
 
-/// Bounded QP over joint rates, base turning and driving, tangential speed factor and one slack. (docs/equations.md#qp)
+/// Bounded QP over joint rates, base turning and driving, tangential speed factor and one slack. Where the base moves
+/// otherwise than it is told now, a second one finds the joint rates against that motion. (docs/equations.md#qp)
 class WholeBodyController {
  public:
   /// @throws ConfigError

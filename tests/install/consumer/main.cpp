@@ -23,7 +23,6 @@ int main(int argc, char** argv) {
   ajar::WbcProblem problem;
   problem.kinematics = &kinematics;
   problem.q = &q;
-  problem.measured = ajar::InputVector::Zero(robot.inputs());
   problem.tangential[0] = -0.01;
   ajar::WbcSolution solution;
   const ajar::WbcStatus status = controller.solve(problem, solution);
