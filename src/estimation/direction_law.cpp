@@ -13,6 +13,7 @@ constexpr double kMaxTurnRate = 1.5;    // of x̂; a hinge of 0.1 m at 0.15 m/s 
 constexpr double kMaxBendRate = 4.0;    // of k̂ [1/(m s)]
 constexpr double kMaxCurvature = 5.0;   // r = 0.2 m: the tightest hinge that start-up has to believe in [1/m]
 constexpr double kForceScale = 5.0;     // reaction at which a stuck handle turns the guess at full rate [N]
+constexpr double kLeastForce = 1e-3;    // no force [N]
 constexpr double kForceDeadBand = 2.0;  // more than bias and noise of a wrist sensor [N]
 
 Vector3d limited(const Vector3d& v, double limit) {
@@ -40,6 +41,11 @@ DirectionState step_adaptive_law(const DirectionState& state, const Vector3d& v_
   next.x = (exp_so3(dt * w) * state.x).normalized();
   next.k = limited(state.k + dt * bend, kMaxCurvature);
   return next.x.allFinite() && next.k.allFinite() ? next : state;
+}
+
+double unexplained_share(double pull, double normal, double doubt) noexcept {
+  if (!std::isfinite(pull) || !std::isfinite(normal)) return 0.0;
+  return std::max(0.0, 1.0 - std::abs(pull) * doubt / std::max(normal, kLeastForce));
 }
 
 Vector3d turn_from_reaction(const Vector3d& x, const Vector3d& force, double rate, double dt) noexcept {

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "ajar/core/so3.hpp"
+#include "ajar/estimation/direction_law.hpp"
 #include "ajar/mission/follower.hpp"
 #include "ajar/planning/hypotheses.hpp"
 #include "ajar/planning/passage.hpp"
@@ -39,6 +40,8 @@ constexpr double kBackForce = 30.0;        // [N]
 constexpr double kBackAtStart = 0.05;      // the rest of the way is as good as straight [m]
 constexpr double kBackStillSpeed = 0.006;  // the closed stop is met a little before or behind [m/s]
 constexpr double kBackStillTime = 1.5;     // [s]
+
+constexpr double kProbedDoubt = 0.15;  // largest error of a probed direction: usual is 0.5°, seen were 7° [rad]
 
 // Rotation vector of the leaf since the grasp, as the estimate has it now: errors of the first centimetres do not stay in
 // it.
@@ -77,6 +80,7 @@ void Opener::start(const RobotState& state, const Kinematics& kinematics, const 
   held.position = kinematics.X_WE.translation();
   scene_.reset(held);
   redirect(kinematics, direction, force);
+  direction_doubt_ = 0.0;  // a guess: nothing is known of its error
 }
 
 void Opener::redirect(const Kinematics& kinematics, const Vector3d& direction, double force) noexcept {
@@ -86,6 +90,7 @@ void Opener::redirect(const Kinematics& kinematics, const Vector3d& direction, d
   ends_.reset();
   if (thesis_) thesis_->reset();  // the robot stands
   base_lag_ = back_still_ = 0.0;
+  direction_doubt_ = std::sin(kProbedDoubt);
   start_force_ = std::max(config_.force.start_force, force);
 }
 
@@ -167,12 +172,16 @@ void Opener::pivot_about(const Vector3d& axis, double leaf_turn, const Vector3d&
 void Opener::learn(const RobotState& state, const Kinematics& kin, const HandWrench& wrench,
                    const ForceCorrection& correction, const Vector3d& velocity) noexcept {
   const double dt = config_.period;
+  // A pull F that is off by δ shows F sin δ across the way, with the sign opposite to a constraint's force: only what
+  // exceeds the doubt turns a direction that was probed (docs/equations.md#adaptive-law).
+  const double doubt = estimator_.estimate().fitted ? 0.0 : direction_doubt_;
+  const double told = unexplained_share(correction.pull_force, correction.normal_force, doubt);
   // The status says nothing that the estimate does not: it states itself how sure it is.
   (void)estimator_.update({.dt = dt,
                            .hand = kin.X_WE,
                            .velocity = velocity,
                            .force = wrench.force,
-                           .normal_correction = correction.velocity,
+                           .normal_correction = told * correction.velocity,
                            .base_travel = std::abs(state.base_v) * dt});
 }
 

@@ -107,5 +107,17 @@ TEST(TurnTowards, StopsAtTheTargetAndAtTheLimit) {
   EXPECT_NEAR(turn_towards(x, -x, 0.1).x(), std::cos(0.1), 1e-12);
 }
 
+TEST(AdaptiveLaw, PullOfAHandleThatResistsDoesNotTurnADirectionWithinItsDoubt) {
+  // The handle needs 30 N along its way; x̂ is off by δ and sees f = 30 N (cos δ, sin δ).
+  const double doubt = std::sin(0.15);
+  for (const double off : {0.02, 0.08, 0.14}) {
+    EXPECT_EQ(unexplained_share(30.0 * std::cos(off), 30.0 * std::sin(off), doubt), 0.0) << off;
+  }
+  // A constraint that pushes back with twice what the pull explains is believed by half.
+  EXPECT_NEAR(unexplained_share(30.0, 2.0 * 30.0 * doubt, doubt), 0.5, 1e-12);
+  EXPECT_EQ(unexplained_share(30.0, 1.0, 0.0), 1.0);  // a guess whose error nobody knows
+  EXPECT_EQ(unexplained_share(std::nan(""), 1.0, doubt), 0.0);
+}
+
 }  // namespace
 }  // namespace ajar

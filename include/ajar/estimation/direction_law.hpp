@@ -41,6 +41,14 @@ struct DirectionState {
 [[nodiscard]] DirectionState step_adaptive_law(const DirectionState& state, const Vector3d& v_ref, double speed,
                                                const AdaptiveGains& gains, double dt) noexcept;
 
+/// Share of a force across the way that a pull along a doubtful direction cannot explain: max(0, 1 - |x̂·f| sin δ_0/|P f|).
+/// (docs/equations.md#adaptive-law)
+///
+/// @param pull    x̂·f [N]
+/// @param normal  |P f| [N]
+/// @param doubt   sin δ_0, δ_0 the largest error of the direction [-]
+[[nodiscard]] double unexplained_share(double pull, double normal, double doubt) noexcept;
+
 /// Turns a direction away from the reaction of a handle that does not move: x̂' = -ρ P f/max(|P f|, 5 N).
 /// (docs/equations.md#adaptive-law)
 ///

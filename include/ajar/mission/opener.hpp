@@ -107,6 +107,7 @@ class Opener {
   bool held_fast_ = false;                // the grip resisted a turn about the bar
   double opened_ = 0.0;                   // how far the leaf stood open when it was taken hold of
   double start_force_ = 0.0;
+  double direction_doubt_ = 0.0;  // sine of the largest error of a direction that was probed, else 0
 };
 
 }  // namespace ajar
