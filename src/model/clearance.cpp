@@ -225,7 +225,9 @@ bool ClearanceChecker::Impl::place_robot(const RobotModel& model, const BasePose
 double ClearanceChecker::Impl::measure(Found& found) {
   const Body& a = *found.body;
   const Body& b = *found.other;
-  const coal::Vec3s guess(1.0, 0.0, 0.0);
+  // From b to a, in the axes of a: a search that begins there is sooner at the nearest points.
+  coal::Vec3s guess = a.pose.linear().transpose() * (a.pose.translation() - b.pose.translation());
+  if (!(guess.squaredNorm() > 1e-12)) guess = coal::Vec3s::UnitX();
   coal::Vec3s on_a, on_b, towards_b;  // in the axes of a
   difference.set<coal_steps::NoSweptSphere>(&a.core(), &b.core(), a.placed, b.placed);
   if (gjk.evaluate(difference, guess) == coal_steps::GJK::Collision) {

@@ -119,9 +119,9 @@ struct WholeBodyController::Impl {
   void add_task(const WbcProblem& problem);
   void build_bounds(const WbcProblem& problem);
   void start_slack();
-  void fix_base(const WbcProblem& problem);
+  void fix_base(const WbcProblem& problem, const BaseMotion& motion);
   bool make_plan(const WbcProblem& problem, WbcSolution& out);
-  bool move_arm(const WbcProblem& problem, WbcSolution& out);
+  bool move_arm(const WbcProblem& problem, const BaseMotion& motion, WbcSolution& out);
   void add_wheel_rows();
   void add_clearance_rows(const WbcProblem& problem);
   void read(const WbcProblem& problem, WbcSolution& out);
@@ -200,9 +200,8 @@ void WholeBodyController::Impl::start_slack() {
 }
 
 // The same problem for the arm alone, with the base moving as it will: not yet as it is told now.
-void WholeBodyController::Impl::fix_base(const WbcProblem& problem) {
+void WholeBodyController::Impl::fix_base(const WbcProblem& problem, const BaseMotion& motion) {
   const Vector2d told(answer.x[n], answer.x[n + 1]);
-  const BaseMotion& motion = *problem.base_motion;
   // Bounded against wild readings.
   const Vector2d moving = (Vector2d(motion.twist.w, motion.twist.v) + motion.share * (told - last.tail<2>()))
                               .cwiseMax(2.0 * limits.speed_lower.tail<2>())
@@ -299,8 +298,8 @@ bool WholeBodyController::Impl::make_plan(const WbcProblem& problem, WbcSolution
 }
 
 // The arm against the base as it moves.
-bool WholeBodyController::Impl::move_arm(const WbcProblem& problem, WbcSolution& out) {
-  fix_base(problem);
+bool WholeBodyController::Impl::move_arm(const WbcProblem& problem, const BaseMotion& motion, WbcSolution& out) {
+  fix_base(problem, motion);
   const QpStatus status = arm_solver.solve(qp, answer);
   if (status == QpStatus::Invalid) return false;
   stopped = stopped || status == QpStatus::Stopped;
@@ -353,7 +352,7 @@ WbcStatus WholeBodyController::solve(const WbcProblem& problem, WbcSolution& out
   }
   out.sigma_min = arm_sigma_min(*problem.kinematics, impl.config.length, impl.sigma_track);
   impl.build_cost(problem, std::isfinite(out.sigma_min) ? out.sigma_min : 0.0);
-  if (!impl.make_plan(problem, out) || (problem.base_motion && !impl.move_arm(problem, out))) {
+  if (!impl.make_plan(problem, out) || (problem.base_motion && !impl.move_arm(problem, *problem.base_motion, out))) {
     brake(out);
     return out.status = WbcStatus::Invalid;
   }
