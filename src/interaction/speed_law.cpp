@@ -24,6 +24,10 @@ constexpr double kMovedTravel = 0.02;
 constexpr double kMovingShare = 0.5;
 constexpr double kSpeedFilter = 0.1;
 constexpr double kForceFilter = 1.0;
+// A stop raises the force by 2 N a millisecond; the hand answers to what it will be when the joints have begun to brake.
+// The filter leaves half a newton of the sensor's noise.
+constexpr double kForesight = 0.010;   // [s]
+constexpr double kRateFilter = 0.005;  // [s]
 // Measured speed below which nothing moves (encoder noise) [m/s].
 constexpr double kStandingSpeed = 0.004;
 
@@ -60,6 +64,8 @@ void SpeedLaw::reset() noexcept {
   running_force_ = 0.0;
   filtered_speed_ = 0.0;
   travel_ = 0.0;
+  last_force_ = 0.0;
+  force_rate_ = 0.0;
   moved_ = false;
 }
 
@@ -87,10 +93,13 @@ double SpeedLaw::step(const SpeedInput& input) noexcept {
   if (moved_) {
     give_from = std::min(give_from, running_force_ + config_.give_margin);
   }
-  if (input.pull_force <= give_from) {
+  force_rate_ += std::min(1.0, period_ / kRateFilter) * ((input.pull_force - last_force_) / period_ - force_rate_);
+  last_force_ = input.pull_force;
+  const double soon = input.pull_force + kForesight * std::max(0.0, force_rate_);
+  if (soon <= give_from) {
     return speed_;
   }
-  return std::max(speed_ - config_.give_gain * (input.pull_force - give_from), -config_.give_speed);
+  return std::max(speed_ - config_.give_gain * (soon - give_from), -config_.give_speed);
 }
 
 }  // namespace ajar

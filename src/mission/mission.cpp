@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "ajar/core/error.hpp"
 #include "mission_impl.hpp"
@@ -105,6 +106,12 @@ std::string in_words(const ClearanceRow& row, const RobotModel& model, bool door
   return fmt::format("{} {:.2f} m from {}", link(row.shape), row.distance, other);
 }
 
+// "; no posture was found that follows this to its end: drawer; hinge on the left, 0.33 m"
+std::string not_foreseen(const GraspCandidate& chosen) {
+  if (chosen.falls_short.empty()) return "";
+  return fmt::format("; no posture was found that follows this to its end: {}", fmt::join(chosen.falls_short, "; "));
+}
+
 }  // namespace
 
 Mission::Mission(const RobotModel& model, const MissionConfig& config, std::optional<Vector3d> direction_guess,
@@ -125,6 +132,7 @@ Phase Mission::phase() const noexcept { return impl_->phase; }
 Phase Mission::end_phase() const noexcept { return impl_->ended_in; }
 EndReason Mission::reason() const noexcept { return impl_->why; }
 const MissionRecord& Mission::record() const noexcept { return impl_->record; }
+const GraspCandidate& Mission::chosen() const noexcept { return impl_->chosen; }
 
 std::string Mission::explain() const {
   const Impl& m = *impl_;
@@ -146,10 +154,10 @@ std::string Mission::explain() const {
       return fmt::format("it opens away from the robot, and no doorway is seen to push it through: {}", seen);
     case EndReason::NeedsMoreForce:
       return fmt::format("needs more than {:.0f} N at the handle: {}", m.config.limits.force - 8.0, seen);
-    case EndReason::Stalled: return fmt::format("stands still without force: {}{}", seen, room);
+    case EndReason::Stalled: return fmt::format("stands still without force: {}{}{}", seen, room, not_foreseen(m.chosen));
     case EndReason::ClearanceStop:
-      return fmt::format("a clearance limit stops it, {}: {}{}", in_words(m.fence, m.model, m.handle.passage.has_value()),
-                         seen, room);
+      return fmt::format("a clearance limit stops it, {}: {}{}{}", in_words(m.fence, m.model, m.handle.passage.has_value()),
+                         seen, room, not_foreseen(m.chosen));
     case EndReason::SensorInvalid: return "a measurement was not a number";
     case EndReason::SensorSilent: return fmt::format("no wrist reading for {:.0f} ms", 1e3 * m.config.limits.sensor_timeout);
     case EndReason::BaseBlocked: return "the base is told to move and does not";

@@ -31,6 +31,9 @@ class SightAverage {
   int count_ = 0;
 };
 
+/// Longest motion of the arm between driving posture and handle. [s]
+inline constexpr double kReachTime = 30.0;
+
 /// The inside of a mission: one member function per phase, the tools that they use, and what they remember.
 struct Mission::Impl {
   Impl(const RobotModel& robot, const MissionConfig& settings, std::optional<Vector3d> guess, std::uint64_t run_seed);
@@ -48,6 +51,9 @@ struct Mission::Impl {
   void approach(const RobotState& state);
   void reach(const RobotState& state);
   void start_reach(const RobotState& state);
+  // Distance of the arm to what is believed round it. [m]
+  double arm_room(const BasePose& base, const JointVector& q) noexcept;
+  std::vector<JointVector> reach_path(const RobotState& state);
   [[nodiscard]] BasePose localise(const BasePose& odometry) const noexcept;
   void correct_odometry(const HandleBelief& seen_again) noexcept;
   void zero(const RobotState& state) noexcept;

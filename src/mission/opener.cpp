@@ -22,6 +22,8 @@ constexpr double kArcFull = 0.06;    // [m]
 constexpr double kStopPossibleAngle = 1.36;  // first end stops of hinged doors: 80 degrees, less 2 [rad]
 constexpr double kStopPossibleArc = 0.25;    // shortest drawers: 0.3 m, less what the slow-down lags [m]
 constexpr double kBlow = 34.0;               // what the stop's blow K v T may add [N]
+constexpr double kStopForce = 44.0;          // together with the force that the motion needs anyway [N]
+constexpr double kLeastBlow = 15.0;          // but a hand that crawls never gets there [N]
 constexpr double kBlowStiffness = 1.5e4;     // K: a stiff grasp [N/m]
 constexpr double kArmReaction = 0.025;       // T without dead time: the force rises, the joints brake [s]
 constexpr double kLeastCurvature = 0.2;      // a hinge of more than 5 m radius is driven as a slide [1/m]
@@ -60,8 +62,7 @@ Opener::Opener(const RobotModel& model, const MissionConfig& config)
       speed_law_(config.force, config.period, config.dead_time),
       base_law_(config.base_law),
       ends_(EndConfig{}, config.goal, config.limits.force),
-      slow_speed_(
-          std::max(config.force.speed_start, kBlow / (kBlowStiffness * (config.period + config.dead_time + kArmReaction)))) {
+      blow_rate_(1.0 / (kBlowStiffness * (config.period + config.dead_time + kArmReaction))) {
   if (config.controller == "thesis") thesis_.emplace(model, config.thesis, config.wbc, config.period);
 }
 
@@ -104,7 +105,9 @@ double Opener::speed_cap(const MechanismEstimate& estimate) const noexcept {
   const double kappa = estimate.curvature.norm();
   const bool hinge = estimate.type == MechanismType::Hinge && kappa > kLeastCurvature;
   const double left = hinge ? (kStopPossibleAngle - opened_ - estimate.angle) / kappa : kStopPossibleArc - estimate.arc;
-  return std::sqrt(slow_speed_ * slow_speed_ + 2.0 * config_.force.deceleration * std::max(0.0, left));
+  const double blow = std::clamp(kStopForce - speed_law_.running_force(), kLeastBlow, kBlow);
+  const double slow = std::max(config_.force.speed_start, blow_rate_ * blow);
+  return std::sqrt(slow * slow + 2.0 * config_.force.deceleration * std::max(0.0, left));
 }
 
 double Opener::force_cap(const MechanismEstimate& estimate) const noexcept {

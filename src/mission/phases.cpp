@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include "ajar/core/so3.hpp"
-#include "ajar/planning/joint_path.hpp"
 #include "mission_impl.hpp"
 
 namespace ajar {
@@ -12,9 +11,7 @@ namespace {
 
 constexpr double kLookTime = 0.1;       // sights averaged before a choice [s]
 constexpr double kBlindTime = 2.0;      // no sight for this long: there is no handle to see [s]
-constexpr double kSettleTime = 0.4;     // four lags of the base [s]
 constexpr double kApproachTime = 60.0;  // a drive of a few metres takes a third of this [s]
-constexpr double kReachTime = 30.0;     // [s]
 constexpr double kZeroTime = 0.5;       // the mean of 250 samples has a noise of 0.03 N [s]
 constexpr double kQuietTime = 0.15;     // ten servo lags before zeroing [s]
 constexpr double kHandSpeed = 0.06;     // towards and away from the handle [m/s]
@@ -120,48 +117,6 @@ void Mission::Impl::next_candidate(const RobotState&) {
   }
   if (detail.empty()) detail = fmt::format("no posture is good enough from any of {} base poses", tried);
   process(Event::GaveUp, EndReason::Unreachable);
-}
-
-void Mission::Impl::start_reach(const RobotState& state) {
-  chosen = candidates[candidate];
-  if (!planner.choose_posture(handle, state.base, seed + candidate, chosen)) {
-    next_candidate(state);
-    return;
-  }
-  opener.scene().reset(handle);
-  opener.scene().place(clearance, false);
-  std::vector<JointVector> path = plan_joint_path(model, clearance, state.base, state.q, chosen.approach, seed);
-  if (path.empty()) {
-    next_candidate(state);
-    return;
-  }
-  joint_move.start(std::move(path));
-  planned = true;
-}
-
-void Mission::Impl::reach(const RobotState& state) {
-  command_zero();
-  if (!planned) {
-    sights.add(state.handle, state.base);
-    if (time_in_phase < kSettleTime) return;
-    if (sights.count() == 0) {
-      process(Event::GaveUp, EndReason::HandleUnseen);
-      return;
-    }
-    if (!located) {
-      correct_odometry(seen());
-      located = true;  // the next tick sees the base where it is
-    } else {
-      start_reach(state);
-    }
-    return;
-  }
-  command_joints(joint_move.step(ahead.robot.q, config.period));
-  if (joint_move.done()) {
-    process(Event::AtHandle);
-  } else if (time_in_phase > kReachTime) {
-    process(Event::GaveUp, EndReason::ApproachBlocked);
-  }
 }
 
 void Mission::Impl::zero(const RobotState& state) noexcept {
@@ -375,7 +330,10 @@ void Mission::Impl::retreat(const RobotState& state) noexcept {
   const Vector3d to_base(state.base.x - handle.position.x(), state.base.y - handle.position.y(), 0.0);
   const Vector3d heading(std::cos(state.base.yaw), std::sin(state.base.yaw), 0.0);
   clearance.compute(model, state.base, clearances);
-  const double gap = clearances.smallest[static_cast<std::size_t>(ClearanceKind::BaseWorld)];
+  // The arm rides along as it left the handle, and may be nearer to the wall than the base.
+  const double gap = std::min(clearances.smallest[static_cast<std::size_t>(ClearanceKind::BaseWorld)],
+                              clearances.smallest[static_cast<std::size_t>(ClearanceKind::ArmWorld)]);
+  record.clearance_min = *std::min_element(clearances.smallest.begin(), clearances.smallest.end());
   if (retreat_sense == 0.0) {
     retreat_start = state.base;
     retreat_sense = heading.dot(to_base) >= 0.0 ? 1.0 : -1.0;

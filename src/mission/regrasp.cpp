@@ -9,8 +9,9 @@
 namespace ajar {
 namespace {
 
-// A roll-out worth less falls short of the end: a tenth of the travel, or an arm without any manoeuvring room.
-constexpr double kWorthHolding = -0.01;
+// A roll-out worth less does not reach the end, or without the room that is wanted: what ten seconds cost an arm without
+// manoeuvring room, and 2 % of the travel or half a centimetre.
+constexpr double kWorthHolding = -0.06;
 // Judged so often while the estimate still grows; once good is good.
 constexpr int kJudgements = 3;
 constexpr double kFirstJudgement = 0.15;  // of arc [m]

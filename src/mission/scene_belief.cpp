@@ -13,6 +13,9 @@ namespace {
 constexpr double kRefineArc = 0.12;    // travel after which the fit beats the camera's normal [m]
 constexpr double kRefineRate = 0.02;   // low-pass of the normal per tick
 constexpr double kSurelyHinged = 0.7;  // curvature above which the hinge centre is well known [1/m]
+// Or that tells the centre to this part of the radius: the plane is then off by no more, in radians, and the camera misreads
+// it by 0.17. What the estimator states of a small radius is twice what it errs by.
+constexpr double kKnownRadius = 0.2;
 
 Vector3d horizontal_unit(const Vector3d& v, const Vector3d& fallback) {
   const Vector3d flat(v.x(), v.y(), 0.0);
@@ -40,7 +43,7 @@ void SceneBelief::refine_normal(const MechanismEstimate& estimate) noexcept {
   Vector3d wanted = belief_.normal;
   // The seen edges of a doorway tell its plane; the pins of a leaf that opens away stand on its far face.
   if (!belief_.passage && estimate.fitted && estimate.arc > kRefineArc && estimate.direction_sigma < 0.06 &&
-      estimate.curvature_sigma < 0.3) {
+      estimate.curvature_sigma < std::max(0.3, kKnownRadius * kappa)) {
     if (kappa > kSurelyHinged && std::abs(k.z()) > 0.8 * kappa) {
       // The handle stands `standoff` before the plane that holds the axis: that fixes the plane. (law 5)
       const Vector3d centre = estimate.point + k.cross(estimate.direction) / (kappa * kappa);
@@ -104,6 +107,17 @@ void SceneBelief::place_leaf_moved(ClearanceChecker& checker, const Vector3d& sh
   Box leaf = leaf_;
   leaf.pose.translation() += shift;
   checker.set_obstacle(kLeafObstacle, leaf, false);
+}
+
+void SceneBelief::place_misread(ClearanceChecker& checker, double share) const noexcept {
+  const std::array<Box, 2> walls = misread_walls(belief_, share);
+  for (int i = 0; i < 2; ++i) {
+    if (share > 0.0 && !belief_.passage) {
+      checker.set_obstacle(kMisreadObstacle + i, walls[static_cast<std::size_t>(i)], false);
+    } else {
+      checker.clear_obstacle(kMisreadObstacle + i);
+    }
+  }
 }
 
 }  // namespace ajar

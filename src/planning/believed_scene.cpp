@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "ajar/planning/passage.hpp"
+
 namespace ajar {
 
 namespace {
@@ -30,6 +32,11 @@ Box believed_wall(const HandleBelief& belief) noexcept {
   wall.pose.translation() = belief.position + (belief.standoff - kFront + 0.5 * kWallThickness) * wall.pose.linear().col(1);
   wall.pose.translation().z() = 1.5;
   return wall;
+}
+
+std::array<Box, 2> misread_walls(const HandleBelief& belief, double share) noexcept {
+  const double angle = share * kLargestMisreading;
+  return {believed_wall(turned_about_handle(belief, angle)), believed_wall(turned_about_handle(belief, -angle))};
 }
 
 Box leaf_behind_handle(const Matrix3d& R, const Vector3d& foot) noexcept {

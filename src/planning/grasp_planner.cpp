@@ -27,6 +27,8 @@ constexpr double kKeepDistance = 0.3;
 constexpr double kKeepTurn = 0.5;
 // Value from which a candidate is usable at all: a quarter of a good one, less what ten seconds cost.
 constexpr double kUsable = -0.01;
+// Part of a way that counts as followed to its end.
+constexpr double kWholeWay = 0.99;
 // Candidates handed over even if they are not.
 constexpr std::size_t kLastResorts = 3;
 // What arrival errors may cost against a plan that was not better than this anyway.
@@ -115,7 +117,7 @@ struct GraspPlanner::Impl {
   double disturbed(const HandleBelief& belief, std::vector<MechanismHypothesis>& hypotheses, const Posture& posture,
                    double enough);
   std::vector<Posture> postures_at(const HandleBelief& belief, const BasePose& base, Random& random);
-  bool complete(const HandleBelief& belief, const Posture& posture, GraspCandidate& out) const;
+  bool complete(const HandleBelief& belief, const Posture& posture, GraspCandidate& out);
 
   RobotModel model;
   PlannerConfig config;
@@ -258,10 +260,15 @@ std::vector<Posture> GraspPlanner::Impl::postures_at(const HandleBelief& belief,
   return out;
 }
 
-bool GraspPlanner::Impl::complete(const HandleBelief& belief, const Posture& posture, GraspCandidate& out) const {
+bool GraspPlanner::Impl::complete(const HandleBelief& belief, const Posture& posture, GraspCandidate& out) {
   const std::optional<JointVector> approach = finder.approach(belief, posture);
   if (!approach) return false;
-  out = {posture.base, posture.q, *approach, posture.hand, posture.value};
+  out = {posture.base, posture.q, *approach, posture.hand, posture.value, {}};
+  if (posture.value >= kUsable) return true;
+  for (const MechanismHypothesis& hypothesis : make_hypotheses(belief, config)) {
+    if (roll_out.run(belief, hypothesis, posture.base, posture.q, kHopeless).fraction < kWholeWay)
+      out.falls_short.push_back(hypothesis.name);
+  }
   return true;
 }
 

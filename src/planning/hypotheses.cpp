@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <fmt/format.h>
+
 #include "ajar/core/so3.hpp"
 #include "ajar/planning/passage.hpp"
 
@@ -81,6 +83,7 @@ double free_grip_turn(const Vector3d& bar, double leaf_turn) noexcept {
 
 MechanismHypothesis felt_hypothesis(const HandleBelief& belief, const FeltMechanism& felt, const PlannerConfig& config) {
   MechanismHypothesis out;
+  out.name = "what was felt";  // short: no allocation
   out.direction = felt.direction;
   out.curvature = felt.curvature;
   const double kappa = felt.curvature.norm();
@@ -105,7 +108,7 @@ std::vector<MechanismHypothesis> make_hypotheses(const HandleBelief& belief, con
   for (const double radius : config.hinge_radii) {
     for (const double sign : {1.0, -1.0}) {
       add(turning(belief, n, sign * side, radius, config.hinge_angle),
-          std::string("hinge on the ") + (sign > 0.0 ? "right, " : "left, ") + std::to_string(radius) + " m");
+          fmt::format("hinge on the {}, {:.2f} m", sign > 0.0 ? "right" : "left", radius));
     }
   }
   add(sliding(n, config.drawer_travel), "drawer");

@@ -17,8 +17,6 @@ constexpr double kOpenLeaf = kLeafThickness + 0.03;
 // Nothing narrower is a doorway, no leaf is wider [m].
 constexpr double kLeastWidth = 0.3;
 constexpr double kLargestRadius = 2.0;
-// Cameras misread the normal of a leaf by less [rad].
-constexpr double kLargestMisreading = 0.21;
 // Walls: farther out than a robot reaches, as deep as an outer wall of brick [m].
 constexpr double kWallHalfWidth = 1.5;
 constexpr double kWallDepth = 0.2;

@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "ajar/core/so3.hpp"
+#include "ajar/planning/believed_scene.hpp"
 #include "ajar/planning/passage.hpp"
 
 namespace ajar {
@@ -49,9 +50,11 @@ TEST(SceneBelief, TheLeafCanBeLookedAtFromFartherAway) {
   EXPECT_NEAR(distance(0.02) - near, 0.02, 1e-6);
 }
 
-TEST(SceneBelief, TheFitCorrectsAWrongNormal) {
-  // Hinge at +x seen from -y, handle 6 cm before the plane of the axis: the true normal is -y.
-  const double radius = 0.8;
+// Hinge at +x seen from -y, handle 6 cm before the plane of the axis: the true normal is -y. What the estimator says of the
+// curvature is never surer than a tenth.
+class SceneBeliefOfHinge : public ::testing::TestWithParam<double> {};
+TEST_P(SceneBeliefOfHinge, TheFitCorrectsAWrongNormal) {
+  const double radius = GetParam();
   const double standoff = 0.06;
   HandleBelief belief;
   belief.position = Vector3d(0.0, -standoff, 1.0);
@@ -66,7 +69,7 @@ TEST(SceneBelief, TheFitCorrectsAWrongNormal) {
   estimate.fitted = true;
   estimate.arc = 0.3;
   estimate.direction_sigma = 0.01;
-  estimate.curvature_sigma = 0.05;
+  estimate.curvature_sigma = 0.1 / radius;
   estimate.type = MechanismType::Hinge;
   const double turned = estimate.arc / arm0.norm();
   const Vector3d arm = exp_so3(turned * k_axis) * arm0;
@@ -75,6 +78,25 @@ TEST(SceneBelief, TheFitCorrectsAWrongNormal) {
   estimate.direction = k_axis.cross(arm).normalized();
   for (int i = 0; i < 600; ++i) scene.update(estimate, estimate.point, turned * k_axis);
   EXPECT_LT(std::acos(scene.normal().dot(Vector3d(0.0, -1.0, 0.0))), 0.005);
+}
+INSTANTIATE_TEST_SUITE_P(Radii, SceneBeliefOfHinge, ::testing::Values(0.3, 0.5, 0.8));
+
+// A metre beside the handle a wall whose normal was misread by 0.21 rad stands 21 cm nearer or farther.
+TEST(SceneBelief, TheWallAsItMayStandIsNearerBesideTheHandle) {
+  HandleBelief belief;
+  belief.position = Vector3d(0.0, 0.0, 1.0);
+  belief.normal = -Vector3d::UnitY();
+  const auto before_face = [](const Box& wall, const Vector3d& p) {
+    return -(wall.pose.inverse() * p).y() - wall.half_extents.y();
+  };
+  const Vector3d beside(1.0, -0.3, 1.0);
+  const double seen = before_face(believed_wall(belief), beside);
+  const std::array<Box, 2> walls = misread_walls(belief, 1.0);
+  const double a = before_face(walls[0], beside) - seen;
+  const double b = before_face(walls[1], beside) - seen;
+  EXPECT_NEAR(std::min(a, b), -std::sin(kLargestMisreading) - 0.3 * (1.0 - std::cos(kLargestMisreading)), 1e-9);
+  EXPECT_NEAR(std::max(a, b), std::sin(kLargestMisreading) - 0.3 * (1.0 - std::cos(kLargestMisreading)), 1e-9);
+  EXPECT_NEAR(before_face(misread_walls(belief, 0.0)[0], beside), seen, 1e-12);
 }
 
 // A leaf hinged on the right, pushed along +y: the doorway is free for the hand, its walls and the leaf are not.

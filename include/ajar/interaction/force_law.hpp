@@ -107,6 +107,8 @@ class SpeedLaw {
   double running_force_ = 0.0;
   double filtered_speed_ = 0.0;
   double travel_ = 0.0;
+  double last_force_ = 0.0;
+  double force_rate_ = 0.0;  // low-passed [N/s]
   bool moved_ = false;
 };
 

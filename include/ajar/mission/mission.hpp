@@ -133,6 +133,8 @@ class Mission {
   /// The reason in words with the numbers that decided.
   [[nodiscard]] std::string explain() const;
   [[nodiscard]] const MissionRecord& record() const noexcept;
+  /// How the handle is taken; its value is below 0 and its postures empty until that is chosen.
+  [[nodiscard]] const GraspCandidate& chosen() const noexcept;
 
  private:
   struct Impl;

@@ -94,7 +94,7 @@ class Opener {
   BaseLaw base_law_;
   std::optional<ThesisController> thesis_;  // instead of the QP; the base law is then only recorded
   EndDetector ends_;
-  double slow_speed_;  // where an end stop is possible [m/s]
+  double blow_rate_;  // speed per newton of the blow of an end stop [m/(N s)]
   SceneBelief scene_;
   ClearanceResult clearances_;
   Matrix3d R_grasp_ = Matrix3d::Identity();

@@ -15,6 +15,8 @@ inline constexpr int kLeafObstacle = 1;
 inline constexpr int kHingeWallObstacle = 2;  ///< Of a doorway; kWallObstacle is then its other side
 inline constexpr int kRevealObstacle = 2;     ///< And the next: frame left and right of a leaf that lies behind it
 
+inline constexpr int kMisreadObstacle = 4;  ///< And the next: the wall as it may stand, while the arm reaches
+
 /// Where wall and leaf are, as far as sight and touch tell. (docs/equations.md#scene-belief)
 class SceneBelief {
  public:
@@ -32,6 +34,9 @@ class SceneBelief {
 
   /// Writes the leaf alone into the checker, moved by `shift` [m], with nothing that may touch it. No allocation.
   void place_leaf_moved(ClearanceChecker& checker, const Vector3d& shift) const noexcept;
+
+  /// Writes the wall as it stands if its normal was misread, to either side; share 0 takes both away again. No allocation.
+  void place_misread(ClearanceChecker& checker, double share) const noexcept;
 
   /// Outward normal of the wall at the closed handle, unit.
   [[nodiscard]] const Vector3d& normal() const noexcept { return belief_.normal; }

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+
 #include "ajar/model/clearance.hpp"
 #include "ajar/planning/grasp_planner.hpp"
 
@@ -11,6 +13,10 @@ namespace ajar {
 
 /// The wall behind a closed handle as an obstacle: an upright slab whose face stands 2 cm before the leaf.
 [[nodiscard]] Box believed_wall(const HandleBelief& belief) noexcept;
+
+/// The same wall for a normal that was misread to either side: beside the handle a wall stands nearer than it looks.
+/// @param share  Of the largest misreading, 0 … 1
+[[nodiscard]] std::array<Box, 2> misread_walls(const HandleBelief& belief, double share) noexcept;
 
 /// Leaf of which only the handle is known: a small box behind it. (docs/equations.md#scene-belief)
 /// @param R     Axes of the leaf as it stands

@@ -69,11 +69,12 @@ struct PlannerConfig {
 
 /// One way to take the handle.
 struct GraspCandidate {
-  BasePose base;                 ///< Where the base stands, odometry frame
-  JointVector grasp;             ///< Hand at the handle, shape (n)
-  JointVector approach;          ///< Hand in front of the handle, shape (n)
-  Pose hand = Pose::Identity();  ///< Hand pose of the grasp, odometry frame
-  double value = -1.0;           ///< Worst case over what may be true; ≥ -0.01 is usable, larger is better [-]
+  BasePose base;                         ///< Where the base stands, odometry frame
+  JointVector grasp;                     ///< Hand at the handle, shape (n)
+  JointVector approach;                  ///< Hand in front of the handle, shape (n)
+  Pose hand = Pose::Identity();          ///< Hand pose of the grasp, odometry frame
+  double value = -1.0;                   ///< Worst case over what may be true; ≥ -0.01 is usable, larger is better [-]
+  std::vector<std::string> falls_short;  ///< Names of the hypotheses whose way it does not follow to the end
 };
 
 /// Chooses grasp posture and base pose by rolling out the same QP and base law over the mechanisms that may be true.

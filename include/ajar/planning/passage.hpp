@@ -8,6 +8,9 @@
 
 namespace ajar {
 
+/// Cameras misread the normal of a leaf by less. [rad]
+inline constexpr double kLargestMisreading = 0.21;
+
 /// Which side a felt leaf is hinged on, as the robot sees it.
 enum class HingeSide { Left, Right };
 
