@@ -55,8 +55,8 @@ class ClearanceCase : public Posed {
     const Pose X_WB = to_pose(base_);
     wall_.pose = X_WB * Eigen::Translation3d(1.3, 0.0, 1.5);
     leaf_.pose = X_WB * Eigen::Translation3d(1.0, 0.0, 1.0);
-    checker_.set_obstacle(0, wall_, true);
-    checker_.set_obstacle(1, leaf_, true);
+    checker_.set_obstacle(0, wall_, MayTouch::Hand);
+    checker_.set_obstacle(1, leaf_, MayTouch::Hand);
     robot_.compute(base_, q_, kinematics_);
   }
   void step() override { checker_.compute(robot_, base_, rows_); }

@@ -52,7 +52,7 @@ struct MujocoPlant::Impl {
         settled(mj_makeData(model.get())),
         at(scene::find_addresses(*model, robot, built.joint)),
         grasp(*model, robot, mechanism.handle, config.grasp),
-        contact_log(*model),
+        contact_log(*model, grasp.tool_geoms()),
         commands(config, robot.joints()),
         wrist(config.wrist_sensor, config.faults),
         odometry(robot.wheel_radius(), robot.wheel_track(), config.base.odometry_rate),
@@ -256,7 +256,7 @@ void MujocoPlant::Impl::step() noexcept {
   ++steps;
   time = end;
   if (sampled) sample_wrist();
-  contact_log.record(*model, *data, time);
+  contact_log.record(*model, *data, time, reference.leans);
   grasp.step(*data, gripper_closed, !fault(Fault::Kind::GraspLost));
   mj_step1(model.get(), data.get());
   diverged =

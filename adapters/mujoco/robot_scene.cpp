@@ -3,6 +3,8 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <string>
+#include <vector>
 
 #include "scene.hpp"
 
@@ -139,22 +141,43 @@ void add_shape(mjsBody& body, const CollisionShape& shape, const Pose& X_body, i
   geom->conaffinity = kSelfBit;
 }
 
+/// Pose of the wrist sensor in the last joint's body.
+Pose sensor_in_joint(const RobotModel& model) {
+  Kinematics kinematics;
+  model.compute(BasePose{}, model.home(), kinematics);
+  Pose X_WF = Pose::Identity();
+  X_WF.linear() = kinematics.R_WF;
+  X_WF.translation() = kinematics.p_WF;
+  return model.joint_pose(model.joints() - 1, BasePose{}).inverse(Eigen::Isometry) * X_WF;
+}
+
+/// What the tool touches is felt: its shapes belong to the body that the wrist sensor carries.
 void add_shapes(mjSpec& spec, const RobotModel& model, mjsBody& root, const Pose& X_RB) {
+  mjsBody& sensor = robot_body(spec, model.sensor_frame());
+  std::vector<std::string> tool;
+  visit_bodies(sensor, [&](mjsBody& body) { tool.emplace_back(mjs_getString(mjs_getName(body.element))); });
+  const Pose X_FJ = sensor_in_joint(model).inverse(Eigen::Isometry);
+  const auto carrier = [&](int joint) -> mjsBody& {
+    return joint < 0 ? root : body_of_joint(spec, model.joint_names()[static_cast<std::size_t>(joint)]);
+  };
   int index = 0;
   for (const CollisionShape& shape : model.shapes()) {
-    mjsBody& body = shape.joint < 0 ? root : body_of_joint(spec, model.joint_names()[static_cast<std::size_t>(shape.joint)]);
-    add_shape(body, shape, shape.joint < 0 ? X_RB : Pose::Identity(), index++);
+    if (std::find(tool.begin(), tool.end(), shape.link) != tool.end()) {
+      add_shape(sensor, shape, X_FJ, index++);
+    } else {
+      add_shape(carrier(shape.joint), shape, shape.joint < 0 ? X_RB : Pose::Identity(), index++);
+    }
   }
+  const auto exclude = [&](mjsBody& a, mjsBody& b) {
+    mjsExclude* pair = mjs_addExclude(&spec);
+    mjs_setString(pair->bodyname1, mjs_getString(mjs_getName(a.element)));
+    mjs_setString(pair->bodyname2, mjs_getString(mjs_getName(b.element)));
+  };
   for (int a = -1; a < model.joints(); ++a) {
     for (int b = a + 1; b < model.joints(); ++b) {
       if (can_meet(model, a, b)) continue;
-      const auto name = [&](int joint) {
-        mjsBody& body = joint < 0 ? root : body_of_joint(spec, model.joint_names()[static_cast<std::size_t>(joint)]);
-        return mjs_getString(mjs_getName(body.element));
-      };
-      mjsExclude* exclude = mjs_addExclude(&spec);
-      mjs_setString(exclude->bodyname1, name(a));
-      mjs_setString(exclude->bodyname2, name(b));
+      exclude(carrier(a), carrier(b));
+      if (b == model.joints() - 1) exclude(carrier(a), sensor);
     }
   }
 }

@@ -136,12 +136,15 @@ void Grasp::step(mjData& data, bool closed, bool may_hold) noexcept {
   allow_tool_on_leaf(!grasped_ && distance > kHandRoom);
 }
 
-ContactLog::ContactLog(const mjModel& model) {
+ContactLog::ContactLog(const mjModel& model, const std::vector<int>& hand)
+    : hand_geom_(static_cast<std::size_t>(model.ngeom), false) {
+  for (const int g : hand) hand_geom_[static_cast<std::size_t>(g)] = true;
   for (int g = 0; g < model.ngeom; ++g) {
     const std::string name = part_name(model, g);
     const auto found = std::find(parts_.begin(), parts_.end(), name);
     part_of_geom_.push_back(static_cast<int>(found - parts_.begin()));
     if (found == parts_.end()) parts_.push_back(name);
+    leaf_geom_.push_back((model.geom_contype[g] & kLeafBit) == 0 && (model.geom_conaffinity[g] & kLeafBit) != 0);
     robot_of_geom_.push_back((model.geom_contype[g] & (kWorldBit | kSelfBit)) != 0);
   }
   keys_.reserve(64);
@@ -153,7 +156,7 @@ void ContactLog::reset() noexcept {
   contacts_.clear();
 }
 
-void ContactLog::record(const mjModel& model, const mjData& data, double time) noexcept {
+void ContactLog::record(const mjModel& model, const mjData& data, double time, bool leans) noexcept {
   for (int i = 0; i < data.ncon; ++i) {
     const mjContact& contact = data.contact[i];
     int a = contact.geom[0];
@@ -161,6 +164,7 @@ void ContactLog::record(const mjModel& model, const mjData& data, double time) n
     if (a < 0 || b < 0 || contact.efc_address < 0) continue;
     if (!robot_of_geom_[static_cast<std::size_t>(a)]) std::swap(a, b);
     if (!robot_of_geom_[static_cast<std::size_t>(a)]) continue;
+    if (leans && hand_geom_[static_cast<std::size_t>(a)] && leaf_geom_[static_cast<std::size_t>(b)]) continue;
     double force[6] = {0.0};
     mj_contactForce(&model, &data, i, force);
     if (!(force[0] > 0.0)) continue;

@@ -22,6 +22,7 @@ class Grasp {
   void step(mjData& data, bool closed, bool may_hold) noexcept;
 
   [[nodiscard]] bool grasped() const noexcept { return grasped_; }
+  [[nodiscard]] const std::vector<int>& tool_geoms() const noexcept { return tool_geoms_; }
   [[nodiscard]] double opening() const noexcept { return gripper_.opening(); }  ///< Of the fingers [m]
   [[nodiscard]] const Vector3d& force() const noexcept { return force_; }       ///< Robot on handle, world axes [N]
   [[nodiscard]] const Vector3d& torque() const noexcept { return torque_; }  ///< Robot on handle about the hand, world [N m]
@@ -54,14 +55,18 @@ class Grasp {
 /// Keeps the first instant and the largest force of every touch that was not wanted.
 class ContactLog {
  public:
-  explicit ContactLog(const mjModel& model);
+  /// @param hand  Geoms of the tool and the last link
+  ContactLog(const mjModel& model, const std::vector<int>& hand);
   void reset() noexcept;
   /// Takes in the contacts of a solved physics step. Allocates when a pair touches for the first time, never otherwise.
-  void record(const mjModel& model, const mjData& data, double time) noexcept;
+  /// @param leans  The hand is meant to touch the leaf
+  void record(const mjModel& model, const mjData& data, double time, bool leans) noexcept;
   [[nodiscard]] const std::vector<Contact>& contacts() const noexcept { return contacts_; }
 
  private:
-  std::vector<int> part_of_geom_;    // index in parts_
+  std::vector<int> part_of_geom_;  // index in parts_
+  std::vector<bool> hand_geom_;
+  std::vector<bool> leaf_geom_;
   std::vector<bool> robot_of_geom_;  // the robot's body, wheels and casters excepted
   std::vector<std::string> parts_;
   std::vector<int> keys_;  // of the pair, beside contacts_

@@ -98,7 +98,8 @@ namespace {
 void check_reach(const ajar::Scenario& scenario, const ajar::RobotModel& model) {
   if (scenario.mechanism.form != ajar::MechanismSource::Form::Described) return;
   const ajar::Handle handle = ajar::make_mechanism(scenario.mechanism.described).handle;
-  const ajar::HandleBelief belief{handle.position, handle.normal, handle.bar, handle.standoff, handle.thickness, {}, {}, {}};
+  const ajar::HandleBelief belief{
+      handle.position, handle.normal, handle.bar, handle.standoff, handle.thickness, {}, {}, {}, {}};
   ajar::Random random(1);
   if (reaches(model, belief, handle.position.z(), random)) return;
   double lowest = std::numeric_limits<double>::infinity();

@@ -51,7 +51,7 @@ std::string collision(const RobotModel& model, const std::vector<Box>& boxes, co
   ClearanceChecker checker(model, ClearanceConfig{});
   ClearanceResult found;
   for (std::size_t i = 0; i < boxes.size(); ++i) {
-    checker.set_obstacle(0, boxes[i], false);
+    checker.set_obstacle(0, boxes[i], MayTouch::Nothing);
     checker.compute(model, start, found);
     for (int r = 0; r < found.count; ++r) {
       const ClearanceRow& row = found.rows[static_cast<std::size_t>(r)];

@@ -63,6 +63,7 @@ void add_estimate(Fields& fields, const RunResult& r) {
   add(fields, "curvature_error_40cm_per_m", r.curvature_error_40cm);
   add(fields, "curvature_error_final_per_m", r.curvature_error_final);
   add(fields, "curvature_sigma_final_per_m", r.curvature_sigma_final);
+  add(fields, "angle_error_final_rad", r.angle_error_final);
   add(fields, "odometry_error_final_m", r.odometry_error_final);
   add(fields, "odometry_yaw_error_final_rad", r.odometry_yaw_error_final);
 }

@@ -112,11 +112,11 @@ struct FollowTask {
   const Truth& see(const Truth& truth, Phase phase) noexcept { return followed.see(truth, phase); }
   /// What touches nothing has no force and no estimate.
   static RunResult judged(RunResult r) {
-    for (auto* value :
-         {&r.peak_normal_force, &r.peak_normal_force_free, &r.mean_normal_force, &r.late_normal_force,
-          &r.late_normal_force_peak, &r.peak_pull_force, &r.stop_force, &r.peak_torque, &r.direction_error_start,
-          &r.direction_error_10cm, &r.direction_error_20cm, &r.direction_error_final, &r.direction_sigma_final,
-          &r.curvature_error_20cm, &r.curvature_error_40cm, &r.curvature_error_final, &r.curvature_sigma_final}) {
+    for (auto* value : {&r.peak_normal_force, &r.peak_normal_force_free, &r.mean_normal_force, &r.late_normal_force,
+                        &r.late_normal_force_peak, &r.peak_pull_force, &r.stop_force, &r.peak_torque,
+                        &r.direction_error_start, &r.direction_error_10cm, &r.direction_error_20cm, &r.direction_error_final,
+                        &r.direction_sigma_final, &r.curvature_error_20cm, &r.curvature_error_40cm, &r.curvature_error_final,
+                        &r.curvature_sigma_final, &r.angle_error_final}) {
       value->reset();
     }
     return r;

@@ -98,14 +98,18 @@ BasePose Mission::Impl::localise(const BasePose& odometry) const noexcept {
 
 // The handle stands still: what moved between two sights is the odometry. (docs/equations.md#landmark)
 void Mission::Impl::correct_odometry(const HandleBelief& seen_again) noexcept {
-  const double turn = wrap_angle(std::atan2(handle.normal.y(), handle.normal.x()) -
-                                 std::atan2(seen_again.normal.y(), seen_again.normal.x()));
+  // The face of a flap that hangs open looks down: its bar tells the heading.
+  const auto heading = [&](const HandleBelief& belief) {
+    const Vector3d& v = flap ? belief.bar : belief.normal;
+    return std::atan2(v.y(), v.x());
+  };
+  const double turn = wrap_angle(heading(landmark) - heading(seen_again));
   const double c = std::cos(turn);
   const double s = std::sin(turn);
   const Vector3d& p = seen_again.position;
   const BasePose& o = odometry_origin;
-  odometry_origin = {c * o.x - s * o.y + handle.position.x() - (c * p.x() - s * p.y()),
-                     s * o.x + c * o.y + handle.position.y() - (s * p.x() + c * p.y()), wrap_angle(o.yaw + turn)};
+  odometry_origin = {c * o.x - s * o.y + landmark.position.x() - (c * p.x() - s * p.y()),
+                     s * o.x + c * o.y + landmark.position.y() - (s * p.x() + c * p.y()), wrap_angle(o.yaw + turn)};
 }
 
 Command Mission::Impl::step(const RobotState& measured) noexcept {
@@ -151,6 +155,7 @@ Command Mission::Impl::step(const RobotState& measured) noexcept {
     }
   }
   if (!command.dq.allFinite() || !std::isfinite(command.base_v) || !std::isfinite(command.base_w)) command_zero();
+  command.leans = handle.press && (phase == Phase::Grasp || phase == Phase::Open || phase == Phase::Release);
   predictor.sent(command);
   record.phase = phase;
   record.reason = why;
@@ -237,9 +242,15 @@ void Mission::Impl::enter(Phase next) noexcept {
       prober.start(record.kinematics.X_WE, guess ? direction : Vector3d(Vector3d::Zero()));
       controller.reset();
       break;
-    case Phase::Open: controller.reset(); break;
+    case Phase::Open:
+      controller.reset();
+      leaf_pull = fenced = 0.0;
+      break;
     case Phase::Retreat: retreat_sense = 0.0; break;
-    case Phase::Regrasp: led_back = is_shut = false; break;
+    case Phase::Regrasp:
+      led_back = is_shut = cleared = false;
+      flap_looked = 0.0;
+      break;
     case Phase::Approach:
     case Phase::Release:
     case Phase::Done:

@@ -63,6 +63,15 @@ struct Mission::Impl {
   void open(const RobotState& state) noexcept;
   bool found_to_open_away(EndDetector::Verdict verdict) noexcept;
   bool better_held_otherwise(EndDetector::Verdict verdict) noexcept;
+  bool press_instead(EndDetector::Verdict verdict) noexcept;
+  bool good_to_the_end(const FeltMechanism& mechanism) noexcept;
+  bool good_half_way(const FeltMechanism& mechanism) noexcept;
+  void choose_half_way();
+  bool look_at_flap() noexcept;
+  bool flap_moved() noexcept;
+  void look_at_result(const RobotState& state) noexcept;
+  bool flap_rests(const RobotState& state) noexcept;
+  void press_down(const RobotState& state) noexcept;
   bool lead_back(const RobotState& state) noexcept;
   [[nodiscard]] Opener::Tick tick(const RobotState& state) noexcept;
   bool let_go(double give_time) noexcept;
@@ -129,9 +138,17 @@ struct Mission::Impl {
   std::optional<HingeSide> felt_side;  // of a leaf that opens away
   double misreading = 0.0;             // of the camera about the vertical, as felt [rad]
   std::optional<FeltMechanism> felt;   // that the handle is taken anew for
+  bool half_way = false;               // the handle is held for half the way only
+  double leaf_pull = 0.0;              // along the way, mean [N]
+  double fenced = 0.0;                 // held back by distances for this long [s]
+  std::optional<FlapPress> flap;       // that was let go half open
+  HandleBelief closed_handle;          // of that flap
+  HandleBelief landmark;               // handle as it was seen when the choice was made
   int judgements = 0;                  // of the grasp, by what was felt
   bool led_back = false;
-  ClearanceRow fence;  // the nearest pair when a clearance stopped it
+  bool cleared = false;      // the hand is off what it held
+  double flap_looked = 0.0;  // time in the phase of the last look at it [s]
+  ClearanceRow fence;        // the nearest pair when a clearance stopped it
   double blocked_time = 0.0;
   double given_until = 0.0;  // time in the phase at which the fingers began to open; 0 = the hand still gives way
   Vector3d still_force = Vector3d::Zero();  // mean over what the hand felt standing, before the fingers open [N]

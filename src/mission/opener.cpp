@@ -26,6 +26,8 @@ constexpr double kStopForce = 44.0;          // together with the force that the
 constexpr double kLeastBlow = 15.0;          // but a hand that crawls never gets there [N]
 constexpr double kBlowStiffness = 1.5e4;     // K: a stiff grasp [N/m]
 constexpr double kArmReaction = 0.025;       // T without dead time: the force rises, the joints brake [s]
+constexpr double kBareShare = 0.2;           // of that speed for fingers on a bare leaf: stiffer than a grasp by as much
+constexpr double kFlapSpeed = 0.15;          // a flap: its weight and the base behind the hand are not stopped at once [m/s]
 constexpr double kLeastCurvature = 0.2;      // a hinge of more than 5 m radius is driven as a slide [1/m]
 constexpr double kPivotCentring = 0.3;       // weak turn of a hand about a free bar towards where it should be [1/s]
 // Whether a bar turns in the fingers is tried on level axes along it. (#free-grip)
@@ -77,6 +79,7 @@ void Opener::start(const RobotState& state, const Kinematics& kinematics, const 
   held_fast_ = false;
   felt_ = belief.felt.value_or(FeltMechanism{.direction = direction});
   opened_ = belief.passage ? belief.passage->opened : 0.0;
+  press_.reset();
   HandleBelief held = belief;
   held.position = kinematics.X_WE.translation();
   scene_.reset(held);
@@ -106,8 +109,10 @@ double Opener::speed_cap(const MechanismEstimate& estimate) const noexcept {
   const bool hinge = estimate.type == MechanismType::Hinge && kappa > kLeastCurvature;
   const double left = hinge ? (kStopPossibleAngle - opened_ - estimate.angle) / kappa : kStopPossibleArc - estimate.arc;
   const double blow = std::clamp(kStopForce - speed_law_.running_force(), kLeastBlow, kBlow);
-  const double slow = std::max(config_.force.speed_start, blow_rate_ * blow);
-  return std::sqrt(slow * slow + 2.0 * config_.force.deceleration * std::max(0.0, left));
+  const double slow = (press_ ? kBareShare : 1.0) * std::max(config_.force.speed_start, blow_rate_ * blow);
+  const double cap = std::sqrt(slow * slow + 2.0 * config_.force.deceleration * std::max(0.0, left));
+  const double level = std::hypot(estimate.curvature.x(), estimate.curvature.y());
+  return hinge && level > kLevel * kappa ? std::min(cap, kFlapSpeed) : cap;
 }
 
 double Opener::force_cap(const MechanismEstimate& estimate) const noexcept {
@@ -125,14 +130,14 @@ void Opener::solve(const WbcProblem& problem, WholeBodyController& controller, W
   controller.reset(out.u);  // letting go brakes from here
 }
 
-double Opener::wanted_speed(const ForceCorrection& correction, double along) noexcept {
-  const MechanismEstimate& estimate = estimator_.estimate();
+double Opener::wanted_speed(const MechanismEstimate& estimate, const ForceCorrection& correction, double along,
+                            double speed_cap) noexcept {
   return speed_law_.step({.confidence = confidence(estimate),
                           .base_lag = base_lag_,
                           .pull_force = correction.pull_force,
                           .normal_force = correction.normal_force,
                           .measured_speed = along,
-                          .speed_cap = speed_cap(estimate),
+                          .speed_cap = speed_cap,
                           .force_cap = force_cap(estimate)});
 }
 
@@ -165,10 +170,12 @@ bool Opener::bar_turns(const Vector3d& bar, const HandWrench& wrench) noexcept {
 
 void Opener::pivot_about(const Vector3d& axis, double leaf_turn, const Vector3d& correcting_turn, const Matrix3d& R,
                          WbcProblem& problem) const noexcept {
-  const double wanted = free_grip_turn(axis, leaf_turn);
+  // A hand that presses keeps its direction.
+  const double turn = press_ ? 0.0 : leaf_turn;
+  const double rate = press_ ? 0.0 : problem.tangential.tail<3>().dot(axis);
   problem.free_axis = axis;
-  problem.free_axis_rate = free_grip_turn(axis, problem.tangential.tail<3>().dot(axis)) +
-                           kPivotCentring * (wanted - log_so3(R * R_grasp_.transpose()).dot(axis)) -
+  problem.free_axis_rate = free_grip_share(axis, turn) * rate +
+                           kPivotCentring * (free_grip_turn(axis, turn) - log_so3(R * R_grasp_.transpose()).dot(axis)) -
                            correcting_turn.dot(axis);
 }
 
@@ -200,7 +207,7 @@ void Opener::move(const Tick& tick, const MechanismEstimate& estimate, const For
   const Vector3d x = turned_ahead * estimate.direction;
   const Vector3d& k = estimate.curvature;
   const Vector3d bar = R * bar_in_hand_;
-  const bool turns = bar_turns(bar, tick.wrench);
+  const bool turns = press_ || bar_turns(bar, tick.wrench);
   const Vector3d turned = leaf_turn(estimate) + way * k;
   Pose hand = Pose::Identity();
   hand.translation() = kin.X_WE.translation();
@@ -210,6 +217,7 @@ void Opener::move(const Tick& tick, const MechanismEstimate& estimate, const For
 
   // What is near.
   scene_.update(estimate, kin.X_WE.translation(), turns ? turned : log_so3(R * R_grasp_.transpose()));
+  scene_.turn_flap(opened_ + estimate.angle);
   scene_.place(tick.clearance);
 
   WbcProblem problem;
@@ -250,7 +258,7 @@ EndDetector::Verdict Opener::step(const Tick& tick) noexcept {
   learn(tick.state, tick.kin, tick.wrench, correction, velocity);
   const MechanismEstimate& estimate = estimator_.estimate();
   const double along = estimate.direction.dot(velocity);
-  const double speed = wanted_speed(correction, along);
+  const double speed = wanted_speed(estimate, correction, along, speed_cap(estimate));
   move(tick, estimate, correction, speed);
   return ends_.step({.dt = config_.period,
                      .speed = along,

@@ -22,7 +22,7 @@ bool Mission::Impl::found_to_open_away(EndDetector::Verdict verdict) noexcept {
   const Vector3d moved = record.kinematics.X_WE.translation() - taken_at.translation();
   const bool known = e.fitted && e.arc > kAwayArc;
   const bool away = known ? e.direction.dot(handle.normal) < kAwayCosine : moved.dot(handle.normal) < -kAwayArc;
-  if (!away || handle.passage) return false;
+  if (!away || handle.passage || handle.press) return false;
   if (!handle.doorway) {
     process(Event::Ended, EndReason::OpensAway);
     return true;

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "ajar/core/so3.hpp"
+#include "ajar/planning/hypotheses.hpp"
 #include "mission_impl.hpp"
 
 namespace ajar {
@@ -38,11 +39,10 @@ constexpr double kShut = 5e-3;           // nearer than this to that place it is
 constexpr double kLightForce = 1.5;      // three deviations of noise and drift of the sensor after a minute [N]
 constexpr double kStillForce = 0.8;      // the same of a mean over half a second: what is left of noise is a tenth [N]
 constexpr double kOpenFingerTime = 0.6;  // [s]
+constexpr double kLetTime = 0.02;        // the fingers give way: 2 mm of their travel [s]
+constexpr double kQuickHand = 0.6;       // away from a flap that may come down once nothing holds it [m/s]
+constexpr double kQuickWay = 0.25;       // [m]
 constexpr double kWithdraw = 0.15;       // the hand leaves the handle by this much [m]
-constexpr double kRetreatWay = 0.3;      // [m]
-constexpr double kRetreatSpeed = 0.15;   // [m/s]
-constexpr double kRetreatGap = 0.06;     // nearer than this to wall or leaf the base stays [m]
-constexpr double kRetreatTime = 5.0;     // [s]
 constexpr std::uint64_t kSecondDraw = 1000;  // added to the seed of the choice: another draw than any posture search had
 
 }  // namespace
@@ -55,9 +55,10 @@ void Mission::Impl::choose(const RobotState& state) {
     return;
   }
   if (time_in_phase < kLookTime) return;
-  handle = seen();
+  handle = landmark = seen();
+  if (flap && look_at_flap()) return;
   if (felt_side) handle.passage = make_passage(handle, *felt_side);
-  handle.felt = felt;
+  if (!flap) handle.felt = felt;
   if (handle.thickness <= 0.0 || handle.thickness > model.gripper_stroke()) {
     detail = handle.thickness <= 0.0 ? std::string("nothing to grip: flush with the leaf")
                                      : fmt::format("nothing to grip: {:.3f} m thick, the fingers open to {:.3f} m",
@@ -71,6 +72,7 @@ void Mission::Impl::choose(const RobotState& state) {
     handle.doorway.reset();
     candidates = planner.choose(handle, seed, &detail);
   }
+  if (!flap) choose_half_way();
   const bool narrow = handle.passage && passage_width(*handle.passage) < base_width(model);
   if (narrow) detail = passage_room(*handle.passage, model);
   if (candidates.empty() || (narrow && candidates.front().value < 0.0)) {
@@ -92,6 +94,7 @@ void Mission::Impl::approach(const RobotState& state) {
       wall.point = handle.passage->hinge.head<2>();
       wall.normal = -handle.passage->inward.head<2>();
     }
+    if (handle.press) wall.point += wall.normal * flap_reach(handle);
     const bool upright = handle.normal.head<2>().norm() > 0.5;  // a lid has no wall behind it
     navigator.set_target(state.base, candidates[candidate].base, upright ? &wall : nullptr);
     planned = true;
@@ -153,6 +156,10 @@ double Mission::Impl::move_hand(const Pose& target, double speed, bool base_fixe
 }
 
 void Mission::Impl::grasp(const RobotState& state) noexcept {
+  if (handle.press) {
+    press_down(state);
+    return;
+  }
   if (closing) {
     close_fingers(state);
     return;
@@ -207,13 +214,13 @@ void Mission::Impl::probe() noexcept {
 }
 
 void Mission::Impl::open(const RobotState& state) noexcept {
-  if (state.gripper_opening < kHeldOpening) {
+  if (!handle.press && state.gripper_opening < kHeldOpening) {
     process(Event::Fault, EndReason::GraspLost);
     return;
   }
-  const EndDetector::Verdict verdict = opener.step(tick(state));
+  const EndDetector::Verdict verdict = handle.press ? opener.step_pressing(tick(state)) : opener.step(tick(state));
   command_solution();
-  if (found_to_open_away(verdict) || better_held_otherwise(verdict)) return;
+  if (found_to_open_away(verdict) || press_instead(verdict) || better_held_otherwise(verdict)) return;
   switch (verdict) {
     case EndDetector::Verdict::Going: break;
     case EndDetector::Verdict::Goal: process(Event::Ended, EndReason::GoalReached); break;
@@ -245,7 +252,9 @@ bool Mission::Impl::let_go(double give_time) noexcept {
     const double least = handle.passage ? kEaseTime + kFeelTime : kRelaxTime;
     if (time_in_phase > least && (light || time_in_phase > give_time)) given_until = time_in_phase;
   }
-  if (given_until == 0.0 || time_in_phase < given_until + kOpenFingerTime) {
+  // What comes down once nothing holds it leaves no time: the open fingers slide off the bar along themselves.
+  const bool quick = flap && !handle.press;
+  if (given_until == 0.0 || time_in_phase < given_until + (quick ? kLetTime + config.dead_time : kOpenFingerTime)) {
     // The arm takes up what the base still rolls and lets the force go; then the fingers open.
     Vector6d give;
     give << -kRelease * record.wrench.force, -kReleaseTurn * record.wrench.torque;
@@ -253,11 +262,11 @@ bool Mission::Impl::let_go(double give_time) noexcept {
     solve_hand_twist(give, false);
     command.gripper_closed = given_until == 0.0;
     clear_pose = record.kinematics.X_WE;
-    if (given_until > 0.0) clear_pose.translation() += kWithdraw * way_out();
+    if (given_until > 0.0) clear_pose.translation() += (flap ? kQuickWay : kWithdraw) * way_out();
     return false;
   }
   // An arm that has no room left draws back with the base.
-  const double left = move_hand(clear_pose, kHandSpeed, false);
+  const double left = move_hand(clear_pose, quick ? kQuickHand : kHandSpeed, false);
   return left < 5.0 * kAtHandle || time_in_phase > kAdvanceTime + given_until;
 }
 
@@ -303,19 +312,21 @@ bool Mission::Impl::shut() noexcept {
 
 // Lets go and folds the arm for the drive to another place.
 void Mission::Impl::regrasp(const RobotState& state) {
-  if (felt && !led_back) {
+  if (felt && !flap && !led_back) {
     led_back = lead_back(state);
     if (led_back) time_in_phase = 0.0;
     return;
   }
   if (!is_shut) {
-    is_shut = shut();
+    is_shut = flap || shut();
     if (is_shut) time_in_phase = 0.0;
     return;
   }
   if (!planned) {
     // A leaf that closes by itself is led back to its frame, or it would follow the hand.
-    if (let_go(kLeadBackTime) && !start_folding(state)) process(Event::GaveUp, EndReason::Unreachable);
+    cleared = cleared || let_go(flap ? kRelaxTime : kLeadBackTime);
+    if (!cleared || (flap && !flap_rests(state))) return;
+    if (!start_folding(state)) process(Event::GaveUp, EndReason::Unreachable);
     return;
   }
   command_joints(joint_move.step(ahead.robot.q, config.period));
@@ -324,29 +335,6 @@ void Mission::Impl::regrasp(const RobotState& state) {
   } else if (time_in_phase > kReachTime + kLeadBackTime) {
     process(Event::GaveUp, EndReason::ApproachBlocked);
   }
-}
-
-void Mission::Impl::retreat(const RobotState& state) noexcept {
-  const Vector3d to_base(state.base.x - handle.position.x(), state.base.y - handle.position.y(), 0.0);
-  const Vector3d heading(std::cos(state.base.yaw), std::sin(state.base.yaw), 0.0);
-  clearance.compute(model, state.base, clearances);
-  // The arm rides along as it left the handle, and may be nearer to the wall than the base.
-  const double gap = std::min(clearances.smallest[static_cast<std::size_t>(ClearanceKind::BaseWorld)],
-                              clearances.smallest[static_cast<std::size_t>(ClearanceKind::ArmWorld)]);
-  record.clearance_min = *std::min_element(clearances.smallest.begin(), clearances.smallest.end());
-  if (retreat_sense == 0.0) {
-    retreat_start = state.base;
-    retreat_sense = heading.dot(to_base) >= 0.0 ? 1.0 : -1.0;
-    last_gap = gap;
-  }
-  const double driven = std::hypot(state.base.x - retreat_start.x, state.base.y - retreat_start.y);
-  const bool closing_in = gap < kRetreatGap && gap < last_gap;
-  last_gap = gap;
-  if (driven > kRetreatWay || closing_in || time_in_phase > kRetreatTime) {
-    process(Event::Away);
-    return;
-  }
-  command_base({retreat_sense * std::min(kRetreatSpeed, config.wbc.base_acceleration * time_in_phase), 0.0});
 }
 
 }  // namespace ajar

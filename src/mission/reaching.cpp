@@ -65,7 +65,7 @@ void Mission::Impl::reach(const RobotState& state) {
       return;
     }
     if (!located) {
-      correct_odometry(seen());
+      if (!flap_moved()) correct_odometry(seen());
       located = true;  // the next tick sees the base where it is
     } else {
       start_reach(state);

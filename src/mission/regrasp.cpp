@@ -9,9 +9,6 @@
 namespace ajar {
 namespace {
 
-// A roll-out worth less does not reach the end, or without the room that is wanted: what ten seconds cost an arm without
-// manoeuvring room, and 2 % of the travel or half a centimetre.
-constexpr double kWorthHolding = -0.06;
 // Judged so often while the estimate still grows; once good is good.
 constexpr int kJudgements = 3;
 constexpr double kFirstJudgement = 0.15;  // of arc [m]
@@ -60,13 +57,11 @@ bool Mission::Impl::better_held_otherwise(EndDetector::Verdict verdict) noexcept
   const bool stands = verdict == EndDetector::Verdict::ClearanceStop || verdict == EndDetector::Verdict::Stalled;
   const double due = kFirstJudgement + judgements * kJudgementStep;
   const bool judge = verdict == EndDetector::Verdict::Going && judgements < kJudgements && record.estimate.arc > due;
-  if (felt || handle.passage || !(stands || judge)) return false;
+  if (felt || handle.passage || handle.press || !(stands || judge)) return false;
   const std::optional<FeltMechanism> mechanism = opener.felt();
   if (!mechanism) return false;
   if (judge) {
-    HandleBelief known = handle;
-    known.felt = mechanism;
-    const bool good = planner.value_for_felt(known, chosen) >= kWorthHolding;
+    const bool good = good_to_the_end(*mechanism) || good_half_way(*mechanism);
     judgements = good ? kJudgements : judgements + 1;
     if (good || judgements < kJudgements) return false;
   }

@@ -34,6 +34,11 @@ void SceneBelief::reset(const HandleBelief& belief) {
     axis_ = passage_axis(belief, *belief.passage);
   }
   reveal_ = reveal_walls(belief);
+  if (belief.press) {
+    wall_ = believed_wall(belief_);
+    turn_flap(belief.press->opened);
+    return;
+  }
   update(MechanismEstimate{}, belief.position, Vector3d::Zero());
 }
 
@@ -89,31 +94,35 @@ void SceneBelief::update(const MechanismEstimate& estimate, const Vector3d& hand
   place_leaf(estimate, hand, exp_so3(turned) * leaf_axes(belief_.normal));
 }
 
+void SceneBelief::turn_flap(double angle) noexcept {
+  if (belief_.press) leaf_ = leaf_pressed(belief_, *belief_.press, angle);
+}
+
 void SceneBelief::place(ClearanceChecker& checker, bool hand_near) const noexcept {
   // Beside a doorway the hand has room, and none to touch the frame.
-  checker.set_obstacle(kWallObstacle, wall_, hand_near && !belief_.passage);
+  checker.set_obstacle(kWallObstacle, wall_, hand_near && !belief_.passage ? MayTouch::Hand : MayTouch::Nothing);
   for (int i = 0; i < 2; ++i) {
     if (reveal_) {
-      checker.set_obstacle(kRevealObstacle + i, (*reveal_)[static_cast<std::size_t>(i)], false);
+      checker.set_obstacle(kRevealObstacle + i, (*reveal_)[static_cast<std::size_t>(i)], MayTouch::Nothing);
     } else {
       checker.clear_obstacle(kRevealObstacle + i);
     }
   }
-  if (belief_.passage) checker.set_obstacle(kHingeWallObstacle, hinge_wall_, false);
-  checker.set_obstacle(kLeafObstacle, leaf_, hand_near);
+  if (belief_.passage) checker.set_obstacle(kHingeWallObstacle, hinge_wall_, MayTouch::Nothing);
+  checker.set_obstacle(kLeafObstacle, leaf_, hand_near ? holding_hand(belief_) : MayTouch::Nothing);
 }
 
 void SceneBelief::place_leaf_moved(ClearanceChecker& checker, const Vector3d& shift) const noexcept {
   Box leaf = leaf_;
   leaf.pose.translation() += shift;
-  checker.set_obstacle(kLeafObstacle, leaf, false);
+  checker.set_obstacle(kLeafObstacle, leaf, MayTouch::Nothing);
 }
 
 void SceneBelief::place_misread(ClearanceChecker& checker, double share) const noexcept {
   const std::array<Box, 2> walls = misread_walls(belief_, share);
   for (int i = 0; i < 2; ++i) {
     if (share > 0.0 && !belief_.passage) {
-      checker.set_obstacle(kMisreadObstacle + i, walls[static_cast<std::size_t>(i)], false);
+      checker.set_obstacle(kMisreadObstacle + i, walls[static_cast<std::size_t>(i)], MayTouch::Nothing);
     } else {
       checker.clear_obstacle(kMisreadObstacle + i);
     }

@@ -25,6 +25,7 @@ struct Body {
   CollisionShape::Kind kind = CollisionShape::Kind::Capsule;
   int shape = -1;  // index in RobotModel::shapes(), -1 for an obstacle
   int joint = -1;  // arm joint that moves it, -1 = the base
+  bool finger = false;
   Pose pose_in_joint = Pose::Identity();
   Vector3d half_extents = Vector3d::Zero();  // box that encloses it, own axes [m]
   double reach = 0.0;                        // radius of the sphere that encloses it [m]
@@ -124,7 +125,7 @@ struct ClearanceChecker::Impl {
   };
   struct Obstacle {
     bool active = false;
-    bool near_hand = false;
+    MayTouch hand = MayTouch::Nothing;
     Body body;
   };
 
@@ -143,6 +144,7 @@ struct ClearanceChecker::Impl {
 
   Impl(const RobotModel& model, const ClearanceConfig& c);
   void find_self_pairs(const RobotModel& model);
+  void find_fingers(const RobotModel& model);
   void warm_up();
   [[nodiscard]] const ClearanceLimits& limits(ClearanceKind kind) const;
   bool place_robot(const RobotModel& model, const BasePose& base);
@@ -164,7 +166,20 @@ ClearanceChecker::Impl::Impl(const RobotModel& model, const ClearanceConfig& c)
   gjk.convergence_criterion = coal::Default;
   gjk.convergence_criterion_type = coal::Relative;
   find_self_pairs(model);
+  find_fingers(model);
   warm_up();
+}
+
+// Fingers reach to the height of the tool centre point; wrist and palm end before it.
+void ClearanceChecker::Impl::find_fingers(const RobotModel& model) {
+  Kinematics kinematics;
+  model.compute(BasePose{}, model.home(), kinematics);
+  const Pose hand_in_joint = model.joint_pose(last_joint, BasePose{}).inverse(Eigen::Isometry) * kinematics.X_WE;
+  for (Body& body : bodies) {
+    const Pose X = hand_in_joint.inverse(Eigen::Isometry) * body.pose_in_joint;
+    const double front = X.translation().z() + X.linear().row(2).cwiseAbs() * body.half_extents;
+    body.finger = body.joint == last_joint && front > 0.0;
+  }
 }
 
 // Own body: the upper arm and everything beyond against the boxes of the base (the first link always sits on its mount), and
@@ -303,13 +318,13 @@ ClearanceChecker::ClearanceChecker(const ClearanceChecker& other) : impl_(std::m
 }
 ClearanceChecker::~ClearanceChecker() = default;
 
-void ClearanceChecker::set_obstacle(int index, const Box& box, bool near_hand) noexcept {
+void ClearanceChecker::set_obstacle(int index, const Box& box, MayTouch hand) noexcept {
   if (index < 0 || index >= kMaxObstacles) {
     return;
   }
   Impl::Obstacle& obstacle = impl_->obstacles[static_cast<std::size_t>(index)];
   obstacle.active = box.pose.matrix().allFinite() && box.half_extents.allFinite() && box.half_extents.minCoeff() > 0.0;
-  obstacle.near_hand = near_hand;
+  obstacle.hand = hand;
   obstacle.body.kind = CollisionShape::Kind::Box;
   obstacle.body.half_extents = box.half_extents;
   obstacle.body.reach = box.half_extents.norm();
@@ -342,7 +357,9 @@ void ClearanceChecker::compute(const RobotModel& model, const BasePose& base, Cl
       continue;
     }
     for (const Body& body : m.bodies) {
-      if (!(obstacle.near_hand && body.joint == m.last_joint)) {
+      const bool exempt = body.joint == m.last_joint &&
+                          (obstacle.hand == MayTouch::Hand || (obstacle.hand == MayTouch::Fingers && body.finger));
+      if (!exempt) {
         m.look(body, obstacle.body, body.joint < 0 ? ClearanceKind::BaseWorld : ClearanceKind::ArmWorld, i, out);
       }
     }

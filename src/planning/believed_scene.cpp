@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "ajar/core/so3.hpp"
 #include "ajar/planning/passage.hpp"
 
 namespace ajar {
@@ -13,6 +14,7 @@ constexpr double kFront = 0.02;         // the believed wall stands this far bef
 constexpr double kWallThickness = 0.3;  // anything thicker than a base step between two ticks [m]
 constexpr double kLatchEdge = 0.09;     // the leaf goes on this far beyond the handle [m]
 constexpr double kHingeRoom = 0.05;     // leaf and frame meet here; no robot part fits between [m]
+constexpr double kLevel = 0.7071;       // sine: a bar that lies rather than stands
 constexpr double kLargestReach = 1.1;   // from the handle to the axis: wider leaves are cut off [m]
 
 }  // namespace
@@ -58,8 +60,25 @@ Box leaf_from_axis(const Matrix3d& R, const Vector3d& foot, const Vector3d& cent
   leaf.pose.linear() = R;
   leaf.half_extents = upright ? Vector3d(half, 0.02, 1.0) : Vector3d(0.3, 0.02, half);
   leaf.pose.translation() = foot + 0.5 * (near_axis + beyond) * along;
-  if (upright) leaf.pose.translation().z() += 1.0 - foot.z();
+  if (upright) {
+    leaf.pose.translation().z() += 1.0 - foot.z();
+  } else {
+    leaf.pose.translation() += leaf.half_extents.y() * R.col(1);  // a hand that may turn about the bar needs the face itself
+  }
   return leaf;
+}
+
+Box leaf_pressed(const HandleBelief& belief, const FlapPress& press, double angle) noexcept {
+  const Vector3d axis = press.way.curvature.normalized();
+  const Vector3d outward = axis.cross(Vector3d::UnitZ());
+  const Matrix3d turn = exp_so3(angle * axis);
+  const Vector3d foot = press.centre + turn * (belief.position - belief.standoff * outward - press.centre);
+  return leaf_from_axis(turn * leaf_axes(outward), foot, press.centre, false);
+}
+
+MayTouch holding_hand(const HandleBelief& belief) noexcept {
+  const bool level = belief.bar.norm() > 0.5 && std::abs(belief.bar.z()) < kLevel;
+  return level && !belief.passage && !belief.press ? MayTouch::Fingers : MayTouch::Hand;
 }
 
 }  // namespace ajar

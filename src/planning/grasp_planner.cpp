@@ -39,6 +39,8 @@ constexpr double kWorthless = -0.05;
 constexpr int kStartsPerVisit = 3;
 // A doorway has few places to stand: each gets more starts.
 constexpr int kPassageStarts = 10;
+// Base - fingertips where a flap is pressed down: the lower it ends the nearer [m].
+const std::vector<double> kPressDistances{0.5, 0.6, 0.7, 0.8};
 // Disturbed placements: error of the seen normal, of the base's place and of its heading.
 struct Disturbance {
   double normal;
@@ -48,8 +50,9 @@ struct Disturbance {
 };
 constexpr Disturbance kDisturbances[] = {
     {0.17, 0.02, 0.02, 0.07}, {-0.17, -0.02, 0.02, -0.07}, {0.17, -0.02, -0.02, -0.07}, {-0.17, 0.02, -0.02, 0.07}};
-// Before a doorway both edges are seen as well, and only the base stands beside its place.
-constexpr Disturbance kPassageDisturbances[] = {
+// Before a doorway both edges are seen as well, and of a flap half open the axis is felt: only the base stands beside its
+// place.
+constexpr Disturbance kPlacedDisturbances[] = {
     {0.0, 0.015, 0.015, 0.035}, {0.0, -0.015, 0.015, -0.035}, {0.0, -0.015, -0.015, -0.035}, {0.0, 0.015, -0.015, 0.035}};
 
 void require(bool ok, const char* key, double value, const char* allowed) {
@@ -138,10 +141,11 @@ std::vector<BasePose> GraspPlanner::Impl::places(const HandleBelief& belief) {
     return out;
   }
   const Vector3d n = Vector3d(belief.normal.x(), belief.normal.y(), 0.0).normalized();
-  for (const double distance : config.distances) {
+  const Vector3d hand = hand_place(belief);
+  for (const double distance : belief.press ? kPressDistances : config.distances) {
     for (const double azimuth : config.azimuths) {
-      const Vector3d p = belief.position + distance * turned_about_z(n, azimuth);
-      const double bearing = std::atan2(belief.position.y() - p.y(), belief.position.x() - p.x());
+      const Vector3d p = hand + distance * turned_about_z(n, azimuth);
+      const double bearing = std::atan2(hand.y() - p.y(), hand.x() - p.x());
       for (int i = 0; i < config.headings; ++i) {
         const BasePose base{p.x(), p.y(), wrap_angle(bearing + 2.0 * kPi * i / config.headings)};
         if (roll_out.look(belief, base, model.home()).base >= config.wall_clearance) out.push_back(base);
@@ -225,7 +229,7 @@ std::vector<Posture> GraspPlanner::Impl::best_of(const HandleBelief& belief, std
 double GraspPlanner::Impl::disturbed(const HandleBelief& belief, std::vector<MechanismHypothesis>& hypotheses,
                                      const Posture& posture, double enough) {
   double value = posture.value;
-  for (const Disturbance& d : belief.passage ? kPassageDisturbances : kDisturbances) {
+  for (const Disturbance& d : belief.passage || belief.press ? kPlacedDisturbances : kDisturbances) {
     HandleBelief seen = belief;
     seen.normal = turned_about_z(belief.normal, d.normal);
     seen.bar = turned_about_z(belief.bar, d.normal);
@@ -329,7 +333,7 @@ bool GraspPlanner::choose_posture(const HandleBelief& belief, const BasePose& ba
   std::vector<MechanismHypothesis> hypotheses = make_hypotheses(belief, impl.config);
   if (near && candidate.value >= kUsable && impl.model.solve_ik(base, planned.hand, planned.q) &&
       impl.finder.usable(belief, base, planned.q, {kKeepSigma, kKeepOwn, kKeepWall}, tally) &&
-      (!belief.passage || impl.worst(belief, hypotheses, planned, kUsable) >= kUsable) &&
+      (!(belief.passage || belief.press) || impl.worst(belief, hypotheses, planned, kUsable) >= kUsable) &&
       impl.complete(belief, planned, candidate)) {
     return true;
   }

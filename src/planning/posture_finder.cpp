@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "ajar/core/so3.hpp"
+#include "ajar/planning/hypotheses.hpp"
 #include "ajar/planning/passage.hpp"
 
 namespace ajar {
@@ -26,6 +27,8 @@ constexpr double kApproachJump = 0.5;        // [rad] for 2.5 cm
 constexpr double kApproachClearance = 0.02;  // the rows' stop distance [m]
 // Between open fingers and leaf where the hand comes askew: more than what the handle is misplaced by sight [m].
 constexpr double kFingerRoom = 0.005;
+// A hand that presses down leans by these about the axis of the flap; positive: from the robot to the flap's foot [rad].
+constexpr std::array kPressLeans = {0.0, 0.3, -0.3};
 
 template <typename... Values>
 std::string text(const char* format, Values... values) {
@@ -49,7 +52,24 @@ Matrix3d grasp_orientation(const HandleBelief& belief, bool flip) {
   return R;
 }
 
+// Fingers down on the inner face of a flap, side by side along its axis, leaning a little to or fro.
+static std::vector<Matrix3d> pressing_orientations(const FlapPress& press) {
+  std::vector<Matrix3d> out;
+  const Vector3d axis = press.way.curvature.normalized();
+  for (const double lean : kPressLeans) {
+    for (const double sign : {1.0, -1.0}) {
+      Matrix3d R;
+      R.col(2) = -(exp_so3(lean * axis) * Vector3d::UnitZ());
+      R.col(1) = sign * axis;
+      R.col(0) = R.col(1).cross(R.col(2));
+      out.push_back(R);
+    }
+  }
+  return out;
+}
+
 std::vector<Matrix3d> hand_orientations(const HandleBelief& belief, const PlannerConfig& config) {
+  if (belief.press) return pressing_orientations(*belief.press);
   std::vector<Matrix3d> out{grasp_orientation(belief, false), grasp_orientation(belief, true)};
   if (belief.bar.norm() < 0.5) {
     for (const double roll : {0.25 * kPi, 0.5 * kPi, 0.75 * kPi}) {
@@ -66,10 +86,14 @@ std::vector<Matrix3d> hand_orientations(const HandleBelief& belief, const Planne
   return turned;
 }
 
+Vector3d hand_place(const HandleBelief& belief) {
+  return belief.press ? press_point(belief, *belief.press, belief.press->opened) : belief.position;
+}
+
 Pose hand_at(const HandleBelief& belief, const Matrix3d& R) {
   Pose hand = Pose::Identity();
   hand.linear() = R;
-  hand.translation() = belief.position;
+  hand.translation() = hand_place(belief);
   return hand;
 }
 

@@ -40,6 +40,9 @@ struct PostureLimits {
 /// Hand orientations that are worth trying: both flips, for a knob several rolls, for a push several turns to the hinge.
 [[nodiscard]] std::vector<Matrix3d> hand_orientations(const HandleBelief& belief, const PlannerConfig& config);
 
+/// Where the hand takes hold, or presses. [m]
+[[nodiscard]] Vector3d hand_place(const HandleBelief& belief);
+
 /// The hand that holds the handle with a given orientation.
 [[nodiscard]] Pose hand_at(const HandleBelief& belief, const Matrix3d& R);
 

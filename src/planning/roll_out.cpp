@@ -21,7 +21,6 @@ constexpr int kRevealSides[] = {2, 3};
 // Values above this are all good: the damping of the controller starts at 0.08.
 constexpr double kBestSigma = 0.12;
 // Distances below which a roll-out loses value, and by how much per metre: 1 cm short costs a third of a good value.
-constexpr double kWantedOwn = 0.02;
 // Past the edges of a doorway a posture needs this much: what the believed axis may be off, beyond the rows' 3 cm.
 constexpr double kPassageArm = 0.045;
 constexpr double kWantedBase = 0.05;
@@ -66,7 +65,7 @@ struct RollOut::Motion {
 };
 
 double roll_out_value(const RollOutResult& result, bool soft) noexcept {
-  const double shortfall = std::max(0.0, kWantedOwn - result.own) + std::max(0.0, result.arm_room - result.arm) +
+  const double shortfall = std::max(0.0, result.own_room - result.own) + std::max(0.0, result.arm_room - result.arm) +
                            std::max(0.0, kWantedBase - result.base);
   const double value = std::min(result.sigma, kBestSigma) - kShortfallPrice * shortfall +
                        std::min(0.0, result.fraction - kWholeTravel) - std::max(0.0, result.error - kTrackingAllowance) -
@@ -85,6 +84,11 @@ RollOut::RollOut(const RobotModel& model, const PlannerConfig& config, const Wbc
 
 void RollOut::place_leaf(const HandleBelief& belief, const MechanismHypothesis& hypothesis, const HypothesisPoint& point,
                          double arc) {
+  if (belief.press) {
+    const double angle = belief.press->opened + arc * hypothesis.curvature.norm();
+    clearance_.set_obstacle(kLeaf, leaf_pressed(belief, *belief.press, angle), MayTouch::Hand);
+    return;
+  }
   const Matrix3d R = exp_so3(point.turned) * leaf_axes(belief.normal);
   const Vector3d foot = belief.position + point.shift + belief.standoff * R.col(1);
   const double kappa = hypothesis.curvature.norm();
@@ -93,7 +97,7 @@ void RollOut::place_leaf(const HandleBelief& belief, const MechanismHypothesis& 
     const Vector3d centre = belief.position + hypothesis.curvature.cross(hypothesis.direction) / (kappa * kappa);
     leaf = leaf_from_axis(R, foot, centre, std::abs(hypothesis.curvature.z()) > 0.7 * kappa);
   }
-  clearance_.set_obstacle(kLeaf, leaf, true);
+  clearance_.set_obstacle(kLeaf, leaf, holding_hand(belief));
 }
 
 void RollOut::note_clearances(RollOutResult& result) const noexcept {
@@ -105,14 +109,15 @@ void RollOut::note_clearances(RollOutResult& result) const noexcept {
 // A closed wall behind the handle; or the two sides of a doorway, with the leaf in it.
 void RollOut::place_walls(const HandleBelief& belief) {
   if (!belief.passage) {
-    clearance_.set_obstacle(kWall, believed_wall(belief), true);
+    clearance_.set_obstacle(kWall, believed_wall(belief), MayTouch::Hand);
     clearance_.clear_obstacle(kLeaf);
+    if (belief.press) place_leaf(belief, MechanismHypothesis{}, HypothesisPoint{}, 0.0);
     for (const int side : kRevealSides) clearance_.clear_obstacle(side);  // a leaf that opens leaves them behind
     return;
   }
   const std::array<Box, 2> walls = passage_walls(*belief.passage);
-  clearance_.set_obstacle(kWall, walls[0], false);
-  clearance_.set_obstacle(kHingeWall, walls[1], false);
+  clearance_.set_obstacle(kWall, walls[0], MayTouch::Nothing);
+  clearance_.set_obstacle(kHingeWall, walls[1], MayTouch::Nothing);
   place_leaf(belief, make_hypotheses(belief, config_).front(), HypothesisPoint{}, 0.0);
 }
 
@@ -120,7 +125,7 @@ RollOutResult RollOut::look(const HandleBelief& belief, const BasePose& base, co
   RollOutResult result;
   place_walls(belief);
   if (const std::optional<std::array<Box, 2>> sides = reveal_walls(belief)) {
-    for (std::size_t i = 0; i < 2; ++i) clearance_.set_obstacle(kRevealSides[i], (*sides)[i], false);
+    for (std::size_t i = 0; i < 2; ++i) clearance_.set_obstacle(kRevealSides[i], (*sides)[i], MayTouch::Nothing);
   }
   model_.compute(base, q, kinematics_);
   clearance_.compute(model_, base, clearances_);
@@ -132,7 +137,7 @@ RollOutResult RollOut::look(const HandleBelief& belief, const BasePose& base, co
 double RollOut::hand_to_leaf(const HandleBelief& belief, const BasePose& base, const JointVector& q) {
   for (const int obstacle : {kWall, kHingeWall}) clearance_.clear_obstacle(obstacle);
   const Matrix3d R = leaf_axes(belief.normal);
-  clearance_.set_obstacle(kLeaf, leaf_behind_handle(R, belief.position + belief.standoff * R.col(1)), false);
+  clearance_.set_obstacle(kLeaf, leaf_behind_handle(R, belief.position + belief.standoff * R.col(1)), MayTouch::Nothing);
   model_.compute(base, q, kinematics_);
   clearance_.compute(model_, base, clearances_);
   return clearances_.smallest[1];
@@ -190,8 +195,10 @@ void RollOut::pose_problem(const MechanismHypothesis& hypothesis, const Motion& 
   if (hypothesis.free_axis.squaredNorm() == 0.0) return;
   const Matrix3d turned = kinematics_.X_WE.linear() * motion.R0.transpose();
   problem.free_axis = turned * hypothesis.free_axis;
-  const double wanted = free_grip_turn(problem.free_axis, point.turned.dot(problem.free_axis));
-  problem.free_axis_rate = free_grip_turn(problem.free_axis, problem.tangential.tail<3>().dot(problem.free_axis)) +
+  const double leaf_turn = hypothesis.hand_stays ? 0.0 : point.turned.dot(problem.free_axis);
+  const double leaf_rate = hypothesis.hand_stays ? 0.0 : problem.tangential.tail<3>().dot(problem.free_axis);
+  const double wanted = free_grip_turn(problem.free_axis, leaf_turn);
+  problem.free_axis_rate = free_grip_share(problem.free_axis, leaf_turn) * leaf_rate +
                            kPivotCentring * (wanted - log_so3(turned).dot(problem.free_axis));
 }
 
@@ -201,6 +208,7 @@ RollOutResult RollOut::run(const HandleBelief& belief, const MechanismHypothesis
   const int n = model_.joints();
   RollOutResult result;
   result.fraction = 1.0;  // while it runs: nothing lost yet
+  result.own_room = hypothesis.own_room;
   if (belief.passage) result.arm_room = kPassageArm;
   Motion motion = begin(belief, base, q);
   BaseLaw law(base_law_);

@@ -192,6 +192,7 @@ void CommandPath::apply(const Command& command) noexcept {
   const bool sound = command.dq.size() == joints_ && command.dq.allFinite() && std::isfinite(command.base_v) &&
                      std::isfinite(command.base_w);
   held_.gripper_closed = command.gripper_closed;
+  held_.leans = command.leans;
   held_.dq.setZero();
   if (sound) held_.dq = command.dq;
   held_.base_v = sound ? command.base_v : 0.0;
@@ -205,6 +206,7 @@ const DriveReference& CommandPath::step() noexcept {
   out_.v += base_share_ * (twist.v - out_.v);
   out_.w += base_share_ * (twist.w - out_.w);
   out_.gripper_closed = arrived.gripper_closed;
+  out_.leans = arrived.leans;
   return out_;
 }
 

@@ -207,6 +207,7 @@ TEST(Judge, ComparesBeliefInTheRobotsFrameAtTheStatedArcs) {
     scene.record.estimate.curvature = Vector3d(0.0, 0.0, 1.0 / scene.radius + off);
     scene.record.estimate.direction_sigma = 0.03;
     scene.record.estimate.curvature_sigma = 0.4;
+    scene.record.estimate.angle = 0.9 * scene.truth.opening;
     scene.record.estimate.type = MechanismType::Hinge;
     scene.show(judge);
   }
@@ -219,6 +220,7 @@ TEST(Judge, ComparesBeliefInTheRobotsFrameAtTheStatedArcs) {
   EXPECT_NEAR(result.direction_error_final.value(), 0.2, 1e-9);
   EXPECT_NEAR(result.curvature_error_final.value(), 0.2, 1e-9);
   EXPECT_NEAR(result.curvature_sigma_final.value(), 0.4, 1e-12);
+  EXPECT_NEAR(result.angle_error_final.value(), 0.06, 1e-9);
   EXPECT_EQ(result.mechanism_type_estimated, "hinge");
   EXPECT_NEAR(result.handle_travel.value(), 0.48, 1e-9);
   EXPECT_NEAR(result.odometry_error_final.value(), 0.05, 1e-9);

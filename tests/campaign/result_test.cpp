@@ -41,6 +41,7 @@ TEST(RunResult, HasEveryKeyThatReadersRelyOn) {
                           "direction_error_final_rad",
                           "curvature_error_final_per_m",
                           "curvature_sigma_final_per_m",
+                          "angle_error_final_rad",
                           "limit_violations",
                           "nonfinite_commands",
                           "missed_ticks",

@@ -1,10 +1,11 @@
 // Strategy: flaps at knee height on the kinematic plant. The grasp that suits everything that a level bar may belong to
-// does not suit them, so the mission must feel the way, lead the leaf back, take the bar anew and open it wholly; a
-// drawer with the same bar must be opened at the first go.
+// does not suit them, so the mission must feel the way, lead the leaf back, take the bar anew and let go half way to press
+// on; a drawer with the same bar must be opened at the first go.
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <numbers>
+#include <vector>
 
 #include "ajar/mechanism/builders.hpp"
 #include "ajar/mission/mission.hpp"
@@ -16,8 +17,7 @@ namespace {
 struct Story {
   bool reached_goal = false;
   int grasps = 0;
-  double opening_when_let_go = -1.0;  // the first time [rad or m]
-  double opening = 0.0;               // at the end of the last phase Open [rad or m]
+  std::vector<double> let_go;  // opening each time it was let go [rad or m]
   std::string words;
 };
 
@@ -35,9 +35,8 @@ Story tell(const MechanismConfig& config, const MissionConfig& mission_config) {
     plant.apply(mission.step(plant.measure()));
     plant.advance(0.002);
     const Phase phase = mission.phase();
-    if (phase == Phase::Open) story.opening = plant.truth().opening;
     if (phase != last && phase == Phase::Open) ++story.grasps;
-    if (phase != last && last == Phase::Regrasp) story.opening_when_let_go = plant.truth().opening;
+    if (phase != last && last == Phase::Regrasp) story.let_go.push_back(plant.truth().opening);
     last = phase;
   }
   story.reached_goal = mission.reached_goal();
@@ -59,14 +58,13 @@ MechanismConfig flap(double height) {
   return config;
 }
 
-TEST(Regrasp, ALowFlapIsLedBackAndTakenAnewOnceItsWayIsFelt) {
-  MissionConfig mission;
-  mission.goal.opening_angle = 1.48;  // 85 degrees
-  const Story story = tell(flap(0.78), mission);
-  EXPECT_TRUE(story.reached_goal) << story.words;
-  EXPECT_EQ(story.grasps, 2);
-  EXPECT_NEAR(story.opening_when_let_go, 0.0, 0.02);  // 8 mm at the handle
-  EXPECT_GT(story.opening, mission.goal.opening_angle);
+TEST(Regrasp, ALowFlapIsTakenAnewOnceItsWayIsFeltAndLetGoHalfOpen) {
+  const Story story = tell(flap(0.78), MissionConfig{});
+  ASSERT_EQ(story.let_go.size(), 2U) << story.words;
+  EXPECT_NEAR(story.let_go[0], 0.0, 0.02);  // led back: 8 mm at the handle
+  EXPECT_NEAR(story.let_go[1], 0.8,
+              0.15);  // no hand follows it to the end: the rest is pressed, which this plant cannot feel
+  EXPECT_EQ(story.grasps, 3);
 }
 
 TEST(Regrasp, WhatTheFirstGraspCanOpenIsNotLetGo) {

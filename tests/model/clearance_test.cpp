@@ -83,7 +83,7 @@ Box wall_at(double x) {  // a plane facing -x
 TEST(Clearance, BallBeforeAWallFollowsTheClosedForm) {
   const RobotModel model = ball_on_a_slide();
   ClearanceChecker checker(model, {});
-  checker.set_obstacle(3, wall_at(1.0), false);
+  checker.set_obstacle(3, wall_at(1.0), MayTouch::Nothing);
   for (const double x :
        {0.8, 0.9, 0.9 + 1e-6, 0.95, 1.0, 1.0 + 1e-7, 1.05, 1.2}) {  // apart, touching, centre on the face, inside
     const JointVector q = (JointVector(2) << 0.0, x).finished();
@@ -115,7 +115,7 @@ TEST(Clearance, OwnBodyRowsDoNotDependOnTheBase) {
 TEST(Clearance, BaseAgainstWallMovesWithDrivingOnly) {
   const RobotModel model = ball_on_a_slide();
   ClearanceChecker checker(model, {});
-  checker.set_obstacle(0, wall_at(0.4), true);
+  checker.set_obstacle(0, wall_at(0.4), MayTouch::Hand);
   const ClearanceResult result = evaluate(model, checker, {0.0, 0.0, 0.2}, (JointVector(2) << 0.0, -1.0).finished());
   ASSERT_EQ(result.count, 1);
   // The front left corner leads: x = 0.2 cos 0.2 + 0.2 sin 0.2
@@ -129,19 +129,41 @@ TEST(Clearance, BaseAgainstWallMovesWithDrivingOnly) {
 TEST(Clearance, FixedBaseGetsNoRowsOfItsOwn) {
   const RobotModel model = ball_on_a_slide("fixed");
   ClearanceChecker checker(model, {});
-  checker.set_obstacle(0, wall_at(0.3), true);
+  checker.set_obstacle(0, wall_at(0.3), MayTouch::Hand);
   const ClearanceResult result = evaluate(model, checker, {}, (JointVector(2) << 0.0, -1.0).finished());
   EXPECT_EQ(result.count, 0);
   EXPECT_NEAR(result.smallest[2], 0.1, 1e-6);
+}
+
+TEST(Clearance, FingersMayTouchWhatThePalmMustNot) {
+  const RobotModel model = load_robot("heron");
+  ClearanceChecker checker(model, {});
+  Kinematics kinematics;
+  model.compute({}, model.home(), kinematics);
+  Box box;  // 4 cm beyond the tool centre point, across the hand's axis
+  box.half_extents = Vector3d(0.3, 0.3, 0.01);
+  box.pose = kinematics.X_WE * Eigen::Translation3d(0.0, 0.0, 0.05);
+  const auto near = [&](MayTouch hand, const std::string& part) {
+    checker.set_obstacle(0, box, hand);
+    const ClearanceResult result = evaluate(model, checker, {}, model.home());
+    return std::any_of(result.rows.begin(), result.rows.begin() + result.count, [&](const ClearanceRow& row) {
+      return row.obstacle == 0 && model.shapes()[static_cast<std::size_t>(row.shape)].link == part;
+    });
+  };
+  EXPECT_TRUE(near(MayTouch::Nothing, "left_finger"));
+  EXPECT_FALSE(near(MayTouch::Fingers, "left_finger"));
+  EXPECT_FALSE(near(MayTouch::Fingers, "right_finger"));
+  EXPECT_TRUE(near(MayTouch::Fingers, "gripper"));
+  EXPECT_FALSE(near(MayTouch::Hand, "gripper"));
 }
 
 TEST(Clearance, HandMayTouchWhatIsNearTheHand) {
   const RobotModel model = ball_on_a_slide();
   ClearanceChecker checker(model, {});
   const JointVector q = (JointVector(2) << 0.0, 0.85).finished();
-  checker.set_obstacle(0, wall_at(1.0), true);
+  checker.set_obstacle(0, wall_at(1.0), MayTouch::Hand);
   EXPECT_EQ(evaluate(model, checker, {}, q).count, 0);
-  checker.set_obstacle(0, wall_at(1.0), false);
+  checker.set_obstacle(0, wall_at(1.0), MayTouch::Nothing);
   EXPECT_EQ(evaluate(model, checker, {}, q).count, 1);
   checker.clear_obstacle(0);
   const ClearanceResult result = evaluate(model, checker, {}, q);
@@ -156,7 +178,7 @@ TEST(Clearance, DistancesOfHeronEqualAnIndependentSearch) {
   for (int s = 0; s < 300; ++s) {
     ClearanceChecker checker(model, {});
     const Box box = random_box(rng);
-    checker.set_obstacle(0, box, false);
+    checker.set_obstacle(0, box, MayTouch::Nothing);
     const JointVector q = test::random_posture(model, rng);
     const ClearanceResult result = evaluate(model, checker, {0.1, -0.2, 0.3}, q);
     std::map<int, double> seen;
@@ -196,8 +218,8 @@ TEST(Clearance, RowsOfHeronEqualCentralDifferences) {
   constexpr double h = 1e-5;
   int compared = 0, kinks = 0;
   for (int s = 0; s < 2000; ++s) {
-    checker.set_obstacle(0, random_box(rng), false);
-    checker.set_obstacle(1, random_box(rng), false);
+    checker.set_obstacle(0, random_box(rng), MayTouch::Nothing);
+    checker.set_obstacle(1, random_box(rng), MayTouch::Nothing);
     const BasePose base{0.2 * rate(rng), 0.2 * rate(rng), rate(rng)};
     const JointVector q = test::random_posture(model, rng);
     InputVector u(8);
@@ -239,9 +261,9 @@ TEST(Clearance, RowsAreSortedAndBounded) {
   std::mt19937_64 rng(23);
   ClearanceChecker checker(model, {});
   for (int i = 0; i < kMaxObstacles; ++i) {
-    checker.set_obstacle(i, random_box(rng), false);
+    checker.set_obstacle(i, random_box(rng), MayTouch::Nothing);
   }
-  checker.set_obstacle(kMaxObstacles, random_box(rng), false);  // no such place: ignored
+  checker.set_obstacle(kMaxObstacles, random_box(rng), MayTouch::Nothing);  // no such place: ignored
   int fullest = 0;
   for (int s = 0; s < 200; ++s) {
     const ClearanceResult result = evaluate(model, checker, {}, test::random_posture(model, rng));
@@ -292,14 +314,14 @@ TEST(Clearance, NonFiniteInputsAreReadCautiously) {
   }
   Box broken;
   broken.pose.translation().x() = nan;
-  checker.set_obstacle(0, broken, false);
+  checker.set_obstacle(0, broken, MayTouch::Nothing);
   EXPECT_EQ(evaluate(model, checker, {}, model.home()).smallest[1], std::numeric_limits<double>::infinity());
 }
 
 TEST(Clearance, CopiesMeasureTheSame) {
   const RobotModel model = load_robot("heron");
   ClearanceChecker checker(model, {});
-  checker.set_obstacle(0, wall_at(0.5), false);
+  checker.set_obstacle(0, wall_at(0.5), MayTouch::Nothing);
   ClearanceChecker copy(checker);
   const ClearanceResult a = evaluate(model, checker, {}, model.home()), b = evaluate(model, copy, {}, model.home());
   ASSERT_EQ(a.count, b.count);

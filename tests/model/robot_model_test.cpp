@@ -213,7 +213,7 @@ TEST(RobotModel, ComputesWithoutAllocation) {  // with the clearance, deep penet
   ClearanceChecker checker(model, {});
   Box box;  // of 1 m, in the middle of the arm's workspace
   box.pose.translation() = Vector3d(0.3, 0.3, 1.2);
-  checker.set_obstacle(0, box, false);
+  checker.set_obstacle(0, box, MayTouch::Nothing);
   std::mt19937_64 rng(5);
   const JointVector q = random_posture(model, rng);
   JointVector found = model.home();

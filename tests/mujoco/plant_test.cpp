@@ -201,6 +201,24 @@ TEST_F(MujocoPlantTest, DrivingIntoTheWallIsRecorded) {
   EXPECT_NE(plant.contacts().front().bodies.find("base_link"), std::string::npos) << plant.contacts().front().bodies;
 }
 
+TEST_F(MujocoPlantTest, WhatTheFingersTouchIsFeltAndWantedWhereTheyLean) {
+  const Mechanism shut = door();
+  Handle beside = shut.handle;  // fingertips 2 cm before the leaf, a hand's length below the handle
+  beside.position += 0.035 * shut.handle.normal - shut.handle.standoff * shut.handle.normal - 0.2 * Vector3d::UnitZ();
+  const Stance stance = stand_at(robot, beside);
+  for (const bool leans : {false, true}) {
+    MujocoPlant plant(robot, shut, quiet(), stance.base, stance.q);
+    hold(plant, still(robot), 0.5);
+    const double before = plant.measure().sensor_force.z();
+    Command push = still(robot);
+    push.leans = leans;
+    push.dq = arm_rates(robot, plant.measure(), -0.02 * shut.handle.normal);
+    hold(plant, push, 1.2);
+    EXPECT_GT(std::abs(plant.measure().sensor_force.z() - before), 10.0);
+    EXPECT_EQ(plant.contacts().empty(), leans);
+  }
+}
+
 TEST_F(MujocoPlantTest, RefusesAnArmOfTheWrongLength) {
   EXPECT_THROW(MujocoPlant(robot, mechanism, quiet(), far, JointVector::Zero(3)), PlantError);
   PlantConfig config;

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 
 #include "ajar/core/so3.hpp"
 #include "ajar/planning/hypotheses.hpp"
@@ -93,13 +94,76 @@ TEST(Hypotheses, WhatWasFeltIsTheOnlyOne) {
   EXPECT_EQ(make_hypotheses(belief, config).front().travel, config.sliding_travel);
 }
 
-TEST(Hypotheses, AHandOnAFreeBarFollowsADoorWhollyAndAFlapInPart) {
+TEST(Hypotheses, AHandOnAFreeBarFollowsADoorWhollyAndLeansOffAFlap) {
   for (const double turn : {-1.2, 0.3, 1.5}) {
     EXPECT_EQ(free_grip_turn(Vector3d::UnitZ(), turn), turn);
-    const double part = free_grip_turn(Vector3d::UnitX(), turn) / turn;
-    EXPECT_GT(part, 0.0);
-    EXPECT_LT(part, 0.5);  // at a right angle it still comes from the front
+    const double lean = (turn - free_grip_turn(Vector3d::UnitX(), turn)) / turn;
+    EXPECT_GT(lean, 0.0);                                      // the hand stays behind the leaf, on the side of the arm
+    EXPECT_LT(std::abs(lean * turn), 0.5 * std::numbers::pi);  // and never comes to lie in it
+    for (const Vector3d& bar : {Vector3d(Vector3d::UnitX()), Vector3d(Vector3d::UnitZ())}) {
+      const double slope = (free_grip_turn(bar, turn + 1e-6) - free_grip_turn(bar, turn - 1e-6)) / 2e-6;
+      EXPECT_NEAR(free_grip_share(bar, turn), slope, 1e-6);
+    }
   }
+}
+
+// A flap of 0.4 m below a level handle at 1.0 m, standing 0.06 m before it; it opens along -y.
+struct Flap {
+  HandleBelief belief;
+  FlapPress press;
+};
+Flap half_open() {
+  Flap flap;
+  flap.belief.position = Vector3d(0.0, -0.06, 1.0);
+  flap.belief.normal = -Vector3d::UnitY();
+  flap.belief.bar = Vector3d::UnitX();
+  const Vector3d arm(0.0, -0.06, 0.4);  // from the axis
+  const Vector3d axis = Vector3d::UnitX();
+  const FeltMechanism felt{.direction = axis.cross(arm).normalized(), .curvature = axis / arm.norm(), .bar_turns = true};
+  flap.press = make_press(felt, flap.belief.position, 0.8);
+  flap.belief.press = flap.press;
+  return flap;
+}
+
+TEST(Hypotheses, WhatComesDownIsAFlapHungBelowItsBar) {
+  const Flap flap = half_open();
+  EXPECT_TRUE(comes_down(flap.belief, flap.press.way));
+  FeltMechanism lid = flap.press.way;  // hung above: it goes up
+  lid.curvature = -lid.curvature;
+  EXPECT_FALSE(comes_down(flap.belief, lid));
+  EXPECT_FALSE(comes_down(flap.belief, {.direction = -Vector3d::UnitY(), .curvature = Vector3d::UnitZ() / 0.8}));
+  EXPECT_FALSE(comes_down(flap.belief, {.direction = -Vector3d::UnitY()}));
+}
+
+TEST(Hypotheses, FingersPressOnTheInnerFaceOfAFlap) {
+  const Flap flap = half_open();
+  EXPECT_LT((flap.press.centre - Vector3d(0.0, 0.0, 0.6)).norm(), 1e-12);
+  for (const double angle : {0.0, 0.5, 0.8, 1.5}) {
+    const Vector3d tip = press_point(flap.belief, flap.press, angle);
+    // Beyond the outer face, seen along its normal, and between axis and bar, seen along the leaf.
+    const Vector3d normal(0.0, -std::cos(angle), -std::sin(angle));
+    const Vector3d along(0.0, -std::sin(angle), std::cos(angle));
+    EXPECT_LT((tip - flap.press.centre).dot(normal), -0.04) << angle;
+    EXPECT_GT((tip - flap.press.centre).dot(along), 0.3) << angle;
+    EXPECT_LT((tip - flap.press.centre).dot(along), 0.4) << angle;
+    EXPECT_NEAR(pressed_opening(flap.belief, flap.press, tip + 0.05 * Vector3d::UnitX()), angle, 1e-12);
+    EXPECT_NEAR(seen_opening(flap.press, normal), angle, 1e-12);
+  }
+}
+
+TEST(Hypotheses, APressedFlapGoesOnFromWhereItStands) {
+  const Flap flap = half_open();
+  const PlannerConfig config;
+  const std::vector<MechanismHypothesis> all = make_hypotheses(flap.belief, config);
+  ASSERT_EQ(all.size(), 1U);
+  const MechanismHypothesis& h = all.front();
+  const Vector3d start = press_point(flap.belief, flap.press, flap.press.opened);
+  for (const double arc : {0.05, 0.2}) {
+    const double angle = flap.press.opened + arc * h.curvature.norm();
+    EXPECT_LT((start + point_at(h, arc).shift - press_point(flap.belief, flap.press, angle)).norm(), 1e-12);
+  }
+  EXPECT_GT(h.travel * h.curvature.norm(), config.hinge_angle - flap.press.opened);
+  EXPECT_TRUE(h.hand_stays);
 }
 
 TEST(GraspOrientation, HandMeetsTheLeafWithTheFingersAcrossTheBar) {

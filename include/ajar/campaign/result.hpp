@@ -63,6 +63,7 @@ struct RunResult {
   std::optional<double> curvature_error_40cm;      ///< [1/m]
   std::optional<double> curvature_error_final;     ///< [1/m]
   std::optional<double> curvature_sigma_final;     ///< [1/m]
+  std::optional<double> angle_error_final;         ///< Of the believed opening of a hinge, at the end of the run [rad]
   std::optional<double> odometry_error_final;      ///< Odometry against the true base [m]
   std::optional<double> odometry_yaw_error_final;  ///< [rad]
   std::int64_t limit_violations = 0;               ///< Ticks at which command or true state left a limit [-]

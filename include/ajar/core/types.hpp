@@ -89,6 +89,7 @@ struct Command {
   double base_v = 0.0;          ///< Forward speed [m/s]
   double base_w = 0.0;          ///< Turning rate [rad/s]
   bool gripper_closed = false;  ///< True: fingers closing or closed
+  bool leans = false;           ///< The hand is meant to touch the leaf: it presses on it
 };
 
 }  // namespace ajar

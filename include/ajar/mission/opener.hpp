@@ -44,6 +44,13 @@ class Opener {
   /// that it can go on from there. No allocation, no exception, bounded time.
   [[nodiscard]] EndDetector::Verdict step(const Tick& tick) noexcept;
 
+  /// Starts where the fingers have met the inner face of a flap. @param belief  With `press`
+  void start_pressing(const RobotState& state, const Kinematics& kinematics, const HandleBelief& belief) noexcept;
+
+  /// One tick of pressing a flap down along the way that was felt; nothing is learnt. (docs/equations.md#press)
+  /// No allocation, no exception, bounded time.
+  [[nodiscard]] EndDetector::Verdict step_pressing(const Tick& tick) noexcept;
+
   /// One tick of leading the handle back along the way that was felt, by the same laws; nothing is learnt.
   /// @return true once it is where it was taken, or stands still. No allocation, no exception, bounded time.
   [[nodiscard]] bool step_back(const Tick& tick) noexcept;
@@ -67,8 +74,9 @@ class Opener {
   /// Tells the estimator what the hand did and felt in this tick. @param velocity  Of the hand, world axes [m/s]
   void learn(const RobotState& state, const Kinematics& kinematics, const HandWrench& wrench,
              const ForceCorrection& correction, const Vector3d& velocity) noexcept;
-  /// Wanted hand speed. @param along  Measured hand speed along the way [m/s]
-  [[nodiscard]] double wanted_speed(const ForceCorrection& correction, double along) noexcept;
+  /// Wanted hand speed. @param along  Measured hand speed along the way [m/s]  @param speed_cap  [m/s]
+  [[nodiscard]] double wanted_speed(const MechanismEstimate& estimate, const ForceCorrection& correction, double along,
+                                    double speed_cap) noexcept;
   /// Motion of the base when it answers to this tick's command. @param hand  Foreseen, linear part along the way
   /// @param along  Measured hand speed along the way [m/s]  @param speed  Wanted [m/s]
   [[nodiscard]] BaseLawOutput drive(const PredictedState& robot, const MechanismEstimate& estimate, const Pose& hand,
@@ -77,6 +85,8 @@ class Opener {
   [[nodiscard]] static Vector3d hand_velocity(const Tick& tick) noexcept;
   /// What was felt, as it is at another place of the way. @param hand  [m]
   [[nodiscard]] MechanismEstimate estimate_at(const Vector3d& hand) const noexcept;
+  /// The way of a hand that presses on a flap. @param hand  [m]
+  [[nodiscard]] MechanismEstimate pressing_at(const Vector3d& hand) const noexcept;
   /// Whether the bar turns in the fingers, as far as is known. (docs/equations.md#free-grip)
   /// @param bar  Its direction now, unit; zero = no bar
   [[nodiscard]] bool bar_turns(const Vector3d& bar, const HandWrench& wrench) noexcept;
@@ -102,6 +112,7 @@ class Opener {
   double base_lag_ = 0.0;
   Vector3d taken_at_ = Vector3d::Zero();  // where the hand took hold [m]
   FeltMechanism felt_;                    // what was known of the mechanism then
+  std::optional<FlapPress> press_;        // a flap that is pressed down
   double back_still_ = 0.0;               // standing on the way back [s]
   bool straight_ = false;                 // the base keeps to a line
   bool held_fast_ = false;                // the grip resisted a turn about the bar

@@ -28,6 +28,9 @@ class SceneBelief {
   /// @param turned   Rotation of the leaf since the grasp, rotation vector [rad]
   void update(const MechanismEstimate& estimate, const Vector3d& hand, const Vector3d& turned) noexcept;
 
+  /// Turns a flap that is pressed on. @param angle  By which it stands open [rad]  No allocation, no exception.
+  void turn_flap(double angle) noexcept;
+
   /// Writes wall and leaf into the checker. No allocation.
   /// @param hand_near  The hand may touch them: it holds the handle, or is about to
   void place(ClearanceChecker& checker, bool hand_near = true) const noexcept;

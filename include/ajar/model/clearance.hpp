@@ -49,6 +49,13 @@ struct ClearanceResult {
                                  std::numeric_limits<double>::infinity()};
 };
 
+/// What of the hand may touch an obstacle, so that its distance does not count.
+enum class MayTouch {
+  Nothing,
+  Fingers,  ///< What closes round the handle: bodies of the last link that reach to the tool centre point
+  Hand      ///< The tool and the last wrist link
+};
+
 /// Distances of the robot to itself and to boxes that it believes in, by Coal.
 class ClearanceChecker {
  public:
@@ -58,9 +65,8 @@ class ClearanceChecker {
   ClearanceChecker& operator=(const ClearanceChecker&) = delete;
   ~ClearanceChecker();
 
-  /// Places an obstacle (world frame). `near_hand` = the tool and the last wrist link may touch it (handle side of the
-  /// leaf). No allocation.
-  void set_obstacle(int index, const Box& box, bool near_hand) noexcept;
+  /// Places an obstacle (world frame). No allocation.
+  void set_obstacle(int index, const Box& box, MayTouch hand) noexcept;
   /// Removes an obstacle.
   void clear_obstacle(int index) noexcept;
 

@@ -28,4 +28,11 @@ namespace ajar {
 /// @param upright  The axis is vertical; else it lies level
 [[nodiscard]] Box leaf_from_axis(const Matrix3d& R, const Vector3d& foot, const Vector3d& centre, bool upright) noexcept;
 
+/// A flap that stands open by `angle`, as it is pressed on. (docs/equations.md#press)
+[[nodiscard]] Box leaf_pressed(const HandleBelief& belief, const FlapPress& press, double angle) noexcept;
+
+/// What of the hand may come near the leaf while it holds the handle: round a level bar the fingers only, as the hand may
+/// turn about it until the palm lies on the leaf. (docs/equations.md#free-grip)
+[[nodiscard]] MayTouch holding_hand(const HandleBelief& belief) noexcept;
+
 }  // namespace ajar

@@ -27,6 +27,14 @@ struct FeltMechanism {
   Vector3d direction = Vector3d::UnitX();  ///< In which the grip starts, unit
   Vector3d curvature = Vector3d::Zero();   ///< Zero for a slide [1/m]
   bool bar_turns = false;                  ///< The bar turns in the fingers
+  double angle = 0.0;                      ///< Opening up to which the handle is held; 0 = the whole [rad]
+};
+
+/// A flap that was let go half open and is pressed on from inside, odometry frame. (docs/equations.md#press)
+struct FlapPress {
+  FeltMechanism way;                   ///< Of the closed handle
+  Vector3d centre = Vector3d::Zero();  ///< Point of its axis nearest to the handle [m]
+  double opened = 0.0;                 ///< How far it stands open [rad]
 };
 
 /// What is believed of the handle when a grasp is chosen, odometry frame.
@@ -39,6 +47,7 @@ struct HandleBelief {
   std::optional<Doorway> doorway;        ///< Edges of the frame round the leaf, if one is seen [m]
   std::optional<Passage> passage;        ///< Set once the leaf was felt to open away: to be pushed
   std::optional<FeltMechanism> felt;     ///< Set once its way is known: nothing else is planned for
+  std::optional<FlapPress> press;  ///< Set once it was let go half open: position and normal are those of the closed leaf
 };
 
 struct PlannerConfig {

@@ -14,6 +14,8 @@ struct MechanismHypothesis {
   Vector3d curvature = Vector3d::Zero();   ///< k₀ = axis / radius, perpendicular to x₀; zero for a slide [1/m]
   double travel = 0.5;                     ///< Arc that the roll-out must reach [m]
   Vector3d free_axis = Vector3d::Zero();   ///< Grip turns freely about it (fixed to the hand); zero = held fast [-]
+  double own_room = 0.02;                  ///< Distance of the robot to itself that is wanted along the way [m]
+  bool hand_stays = false;                 ///< About the free axis the hand keeps its direction
   bool soft = false;                       ///< Its value is softened, so that it cannot rule the choice alone
 };
 
@@ -31,6 +33,27 @@ struct HypothesisPoint {
 /// @param bar        Unit, world axes
 /// @param leaf_turn  Of the leaf about it since the grasp [rad]
 [[nodiscard]] double free_grip_turn(const Vector3d& bar, double leaf_turn) noexcept;
+
+/// Its derivative by the leaf's turn. [-]
+[[nodiscard]] double free_grip_share(const Vector3d& bar, double leaf_turn) noexcept;
+
+/// Whether a mechanism is a flap that comes down: a level axis along a level bar, below the closed handle.
+[[nodiscard]] bool comes_down(const HandleBelief& belief, const FeltMechanism& felt) noexcept;
+
+/// What is known of a flap that stands half open. @param grip  Where the closed handle was held [m]
+[[nodiscard]] FlapPress make_press(const FeltMechanism& felt, const Vector3d& grip, double opened) noexcept;
+
+/// Where the fingertips press on the inner face of a flap that stands open by `angle`. (docs/equations.md#press) [m]
+[[nodiscard]] Vector3d press_point(const HandleBelief& belief, const FlapPress& press, double angle) noexcept;
+
+/// The inverse: opening at which the fingertips press there. @param tip  [m] @return  [rad]
+[[nodiscard]] double pressed_opening(const HandleBelief& belief, const FlapPress& press, const Vector3d& tip) noexcept;
+
+/// How far a flap reaches out at most, from the wall that it closes. @param belief  With `press` [m]
+[[nodiscard]] double flap_reach(const HandleBelief& belief) noexcept;
+
+/// Opening of a flap by the direction in which its outer face looks. @param normal  As seen now, unit [rad]
+[[nodiscard]] double seen_opening(const FlapPress& press, const Vector3d& normal) noexcept;
 
 /// The mechanism that was felt, as the only hypothesis. @param felt  belief.felt
 [[nodiscard]] MechanismHypothesis felt_hypothesis(const HandleBelief& belief, const FeltMechanism& felt,

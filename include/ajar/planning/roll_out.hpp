@@ -9,6 +9,7 @@ struct RollOutResult {
   double sigma = 9.0;      ///< Smallest σ_min of the arm [-]
   double own = 9.0;        ///< Smallest distance of the robot to itself; 9 = never near [m]
   double arm = 9.0;        ///< Of the arm to wall and leaf [m]
+  double own_room = 0.02;  ///< Distance of the robot to itself below which it loses value [m]
   double arm_room = 0.03;  ///< Distance of the arm below which it loses value [m]
   double base = 9.0;       ///< Of the base to wall and leaf [m]
   double fraction = 0.0;   ///< Part of the travel that was reached, 0 … 1

@@ -179,6 +179,7 @@ struct DriveReference {
   double v = 0.0;  ///< [m/s]
   double w = 0.0;  ///< [rad/s]
   bool gripper_closed = false;
+  bool leans = false;
 };
 
 /// The way of a command to the drives: refusal of non-finite values, transport delay, first-order lags. No allocation in
