@@ -26,10 +26,10 @@ constexpr double kStopForce = 44.0;          // together with the force that the
 constexpr double kLeastBlow = 15.0;          // but a hand that crawls never gets there [N]
 constexpr double kBlowStiffness = 1.5e4;     // K: a stiff grasp [N/m]
 constexpr double kArmReaction = 0.025;       // T without dead time: the force rises, the joints brake [s]
-constexpr double kBareShare = 0.2;           // of that speed for fingers on a bare leaf: stiffer than a grasp by as much
-constexpr double kFlapSpeed = 0.15;          // a flap: its weight and the base behind the hand are not stopped at once [m/s]
-constexpr double kLeastCurvature = 0.2;      // a hinge of more than 5 m radius is driven as a slide [1/m]
-constexpr double kPivotCentring = 0.3;       // weak turn of a hand about a free bar towards where it should be [1/s]
+constexpr double kBareShare = 0.2;       // of speed and gains for fingers on a bare leaf: stiffer than a grasp by as much
+constexpr double kFlapSpeed = 0.15;      // a flap: its weight and the base behind the hand are not stopped at once [m/s]
+constexpr double kLeastCurvature = 0.2;  // a hinge of more than 5 m radius is driven as a slide [1/m]
+constexpr double kPivotCentring = 0.3;   // weak turn of a hand about a free bar towards where it should be [1/s]
 // Whether a bar turns in the fingers is tried on level axes along it. (#free-grip)
 constexpr double kAlongBar = 0.9;    // cosine: an axis within 25 degrees of the bar
 constexpr double kLevel = 0.7071;    // sine: a bar that lies rather than stands
@@ -54,6 +54,14 @@ Vector3d leaf_turn(const MechanismEstimate& estimate) {
   return kappa > 1e-6 ? Vector3d(estimate.angle / kappa * estimate.curvature) : Vector3d(Vector3d::Zero());
 }
 
+// Gains for fingers on a bare leaf.
+ForceLawConfig bare(ForceLawConfig config) {
+  config.total_stiffness /= kBareShare;
+  config.gain_max *= kBareShare;
+  config.give_gain *= kBareShare;
+  return config;
+}
+
 }  // namespace
 
 Opener::Opener(const RobotModel& model, const MissionConfig& config)
@@ -62,6 +70,8 @@ Opener::Opener(const RobotModel& model, const MissionConfig& config)
       estimator_(config.estimator),
       force_law_(config.force, config.period, config.dead_time),
       speed_law_(config.force, config.period, config.dead_time),
+      bare_force_law_(bare(config.force), config.period, config.dead_time),
+      bare_speed_law_(bare(config.force), config.period, config.dead_time),
       base_law_(config.base_law),
       ends_(EndConfig{}, config.goal, config.limits.force),
       blow_rate_(1.0 / (kBlowStiffness * (config.period + config.dead_time + kArmReaction))) {
@@ -108,7 +118,7 @@ double Opener::speed_cap(const MechanismEstimate& estimate) const noexcept {
   const double kappa = estimate.curvature.norm();
   const bool hinge = estimate.type == MechanismType::Hinge && kappa > kLeastCurvature;
   const double left = hinge ? (kStopPossibleAngle - opened_ - estimate.angle) / kappa : kStopPossibleArc - estimate.arc;
-  const double blow = std::clamp(kStopForce - speed_law_.running_force(), kLeastBlow, kBlow);
+  const double blow = std::clamp(kStopForce - speed_law().running_force(), kLeastBlow, kBlow);
   const double slow = (press_ ? kBareShare : 1.0) * std::max(config_.force.speed_start, blow_rate_ * blow);
   const double cap = std::sqrt(slow * slow + 2.0 * config_.force.deceleration * std::max(0.0, left));
   const double level = std::hypot(estimate.curvature.x(), estimate.curvature.y());
@@ -132,13 +142,13 @@ void Opener::solve(const WbcProblem& problem, WholeBodyController& controller, W
 
 double Opener::wanted_speed(const MechanismEstimate& estimate, const ForceCorrection& correction, double along,
                             double speed_cap) noexcept {
-  return speed_law_.step({.confidence = confidence(estimate),
-                          .base_lag = base_lag_,
-                          .pull_force = correction.pull_force,
-                          .normal_force = correction.normal_force,
-                          .measured_speed = along,
-                          .speed_cap = speed_cap,
-                          .force_cap = force_cap(estimate)});
+  return speed_law().step({.confidence = confidence(estimate),
+                           .base_lag = base_lag_,
+                           .pull_force = correction.pull_force,
+                           .normal_force = correction.normal_force,
+                           .measured_speed = along,
+                           .speed_cap = speed_cap,
+                           .force_cap = force_cap(estimate)});
 }
 
 BaseLawOutput Opener::drive(const PredictedState& robot, const MechanismEstimate& estimate, const Pose& hand, double along,
@@ -254,7 +264,7 @@ EndDetector::Verdict Opener::step(const Tick& tick) noexcept {
   const Vector3d velocity = hand_velocity(tick);
   // Torque is nulled about every axis: a grip that pivots shows its friction only, one falsely taken to pivot is saved by
   // it.
-  const ForceCorrection correction = force_law_.step(tick.wrench, estimator_.estimate().direction, Vector3d::Zero());
+  const ForceCorrection correction = force_law().step(tick.wrench, estimator_.estimate().direction, Vector3d::Zero());
   learn(tick.state, tick.kin, tick.wrench, correction, velocity);
   const MechanismEstimate& estimate = estimator_.estimate();
   const double along = estimate.direction.dot(velocity);
@@ -264,7 +274,7 @@ EndDetector::Verdict Opener::step(const Tick& tick) noexcept {
                      .speed = along,
                      .wanted_speed = speed,
                      .pull_force = correction.pull_force,
-                     .running_force = speed_law_.running_force(),
+                     .running_force = speed_law().running_force(),
                      .force_cap = force_cap(estimate),
                      .speed_factor = tick.record.solution.speed_factor,
                      .binding = tick.record.solution.binding},
@@ -306,7 +316,7 @@ std::optional<FeltMechanism> Opener::felt() const noexcept {
 
 bool Opener::step_back(const Tick& tick) noexcept {
   const MechanismEstimate estimate = estimate_at(tick.kin.X_WE.translation());
-  const ForceCorrection correction = force_law_.step(tick.wrench, estimate.direction, Vector3d::Zero());
+  const ForceCorrection correction = force_law().step(tick.wrench, estimate.direction, Vector3d::Zero());
   const double strength = std::clamp((kBackForce + correction.pull_force) / (0.5 * kBackForce), 0.0, 1.0);
   move(tick, estimate, correction, -kBackSpeed * strength * waiting_share(base_lag_));
   const bool still = std::abs(estimate.direction.dot(hand_velocity(tick))) < kBackStillSpeed;

@@ -42,25 +42,29 @@ constexpr double kMoved = 0.05;       // a leaf that has turned more than this s
 }  // namespace
 
 void Opener::start_pressing(const RobotState& state, const Kinematics& kinematics, const HandleBelief& belief) noexcept {
-  press_ = belief.press;
+  if (!belief.press) return;
+  const FlapPress& press = *belief.press;
+  press_ = press;
   const Vector3d& hand = kinematics.X_WE.translation();
   R_grasp_ = kinematics.X_WE.linear();
-  bar_in_hand_ = R_grasp_.transpose() * press_->way.curvature.normalized();
+  bar_in_hand_ = R_grasp_.transpose() * press.way.curvature.normalized();
   base_law_.reset(state.base, hand);
   straight_ = held_fast_ = false;
   taken_at_ = hand;
-  opened_ = press_->opened;
+  opened_ = press.opened;
   scene_.reset(belief);
-  force_law_.reset();
-  speed_law_.reset();
+  force_law().reset();
+  speed_law().reset();
   ends_.reset();
   if (thesis_) thesis_->reset();
   base_lag_ = 0.0;
 }
 
 MechanismEstimate Opener::pressing_at(const Vector3d& hand) const noexcept {
-  const Vector3d axis = press_->way.curvature.normalized();
-  const auto arm = [&](const Vector3d& p) -> Vector3d { return p - press_->centre - axis * axis.dot(p - press_->centre); };
+  if (!press_) return estimator_.estimate();
+  const FlapPress& press = *press_;
+  const Vector3d axis = press.way.curvature.normalized();
+  const auto arm = [&](const Vector3d& p) -> Vector3d { return p - press.centre - axis * axis.dot(p - press.centre); };
   const Vector3d from = arm(taken_at_);
   const Vector3d to = arm(hand);
   const double radius = std::max(to.norm(), 1e-3);
@@ -77,9 +81,11 @@ MechanismEstimate Opener::pressing_at(const Vector3d& hand) const noexcept {
 }
 
 EndDetector::Verdict Opener::step_pressing(const Tick& tick) noexcept {
+  if (!press_) return EndDetector::Verdict::Going;
+  const FeltMechanism way = press_->way;
   const Vector3d velocity = hand_velocity(tick);
   const MechanismEstimate estimate = pressing_at(tick.kin.X_WE.translation());
-  const ForceCorrection correction = force_law_.step(tick.wrench, estimate.direction, Vector3d::Zero());
+  const ForceCorrection correction = force_law().step(tick.wrench, estimate.direction, Vector3d::Zero());
   const double along = estimate.direction.dot(velocity);
   const double speed = wanted_speed(estimate, correction, along, std::min(kPressSpeed, speed_cap(estimate)));
   move(tick, estimate, correction, speed);
@@ -87,7 +93,7 @@ EndDetector::Verdict Opener::step_pressing(const Tick& tick) noexcept {
                                              .speed = along,
                                              .wanted_speed = speed,
                                              .pull_force = correction.pull_force,
-                                             .running_force = speed_law_.running_force(),
+                                             .running_force = speed_law().running_force(),
                                              .force_cap = config_.force.force_limit,
                                              .speed_factor = tick.record.solution.speed_factor,
                                              .binding = tick.record.solution.binding},
@@ -96,9 +102,9 @@ EndDetector::Verdict Opener::step_pressing(const Tick& tick) noexcept {
   const bool pressing = correction.pull_force > kTouch || tick.record.estimate.angle > config_.goal.opening_angle + kTooFar;
   if (verdict == EndDetector::Verdict::Goal && !pressing) verdict = EndDetector::Verdict::Going;
   // What is recorded is the way of the handle.
-  const Vector3d axis = press_->way.curvature.normalized();
-  tick.record.estimate.direction = exp_so3(tick.record.estimate.angle * axis) * press_->way.direction;
-  tick.record.estimate.curvature = press_->way.curvature;
+  const Vector3d axis = way.curvature.normalized();
+  tick.record.estimate.direction = exp_so3(tick.record.estimate.angle * axis) * way.direction;
+  tick.record.estimate.curvature = way.curvature;
   return verdict;
 }
 
@@ -133,8 +139,9 @@ bool Mission::Impl::good_to_the_end(const FeltMechanism& mechanism) noexcept {
 bool Mission::Impl::good_half_way(const FeltMechanism& mechanism) noexcept {
   if (!comes_down(handle, mechanism)) return false;
   HandleBelief known = handle;
-  known.felt = mechanism;
-  known.felt->angle = kHalfOpen;
+  FeltMechanism half = mechanism;
+  half.angle = kHalfOpen;
+  known.felt = half;
   half_way = planner.value_for_felt(known, chosen) >= kWorthHolding;
   return half_way;
 }
@@ -143,22 +150,27 @@ bool Mission::Impl::good_half_way(const FeltMechanism& mechanism) noexcept {
 void Mission::Impl::choose_half_way() {
   half_way = false;
   if (!felt || !comes_down(handle, *felt) || (!candidates.empty() && candidates.front().value >= kWorthFollowing)) return;
-  handle.felt->angle = kHalfOpen;
+  FeltMechanism half = *felt;
+  half.angle = kHalfOpen;
+  handle.felt = half;
   candidates = planner.choose(handle, seed, &detail);
   half_way = !candidates.empty();
 }
 
 // Looks how far the leaf stands open that was let go, and what is believed of it. True if there is nothing left to press.
 bool Mission::Impl::look_at_flap() noexcept {
-  flap->opened = seen_opening(*flap, handle.normal);
+  if (!flap) return false;
+  FlapPress press = *flap;
+  press.opened = seen_opening(press, handle.normal);
+  flap = press;
   handle = closed_handle;
   handle.felt.reset();
-  handle.press = flap;
-  handle.normal = flap->way.curvature.normalized().cross(Vector3d::UnitZ());
-  record.estimate.angle = flap->opened;
-  if (flap->opened > config.goal.opening_angle) {  // it came down by itself
+  handle.press = press;
+  handle.normal = press.way.curvature.normalized().cross(Vector3d::UnitZ());
+  record.estimate.angle = press.opened;
+  if (press.opened > config.goal.opening_angle) {  // it came down by itself
     process(Event::Ended, EndReason::GoalReached);
-  } else if (flap->opened < kLeastOpen) {  // it went back
+  } else if (press.opened < kLeastOpen) {  // it went back
     process(Event::GaveUp, EndReason::Stalled);
   }
   return phase != Phase::Choose;
@@ -167,17 +179,20 @@ bool Mission::Impl::look_at_flap() noexcept {
 // Waits until a leaf that comes down by itself has come to rest, and believes in it where it is seen.
 bool Mission::Impl::flap_rests(const RobotState& state) noexcept {
   command_zero();
+  if (!flap) return true;
+  FlapPress press = *flap;
   if (flap_looked == 0.0) flap_looked = time_in_phase;
   if (time_in_phase < flap_looked + kLookAgain) return false;
   flap_looked = time_in_phase;
   SightAverage now;
   now.add(state.handle, state.base);
-  const double opened = seen_opening(*flap, now.belief().normal);
-  const bool rests = std::abs(opened - flap->opened) < kMoved;
-  flap->opened = opened;
+  const double opened = seen_opening(press, now.belief().normal);
+  const bool rests = std::abs(opened - press.opened) < kMoved;
+  press.opened = opened;
+  flap = press;
   if (rests) {
     HandleBelief belief = closed_handle;
-    belief.press = flap;
+    belief.press = press;
     opener.scene().reset(belief);
   }
   return rests;
@@ -197,9 +212,12 @@ void Mission::Impl::look_at_result(const RobotState& state) noexcept {
 // A leaf that moves by itself is no landmark.
 bool Mission::Impl::flap_moved() noexcept {
   if (!flap) return false;
-  const double opened = seen_opening(*flap, seen().normal);
-  const bool moved = std::abs(opened - flap->opened) > kMoved;
-  flap->opened = handle.press->opened = opened;
+  FlapPress press = *flap;
+  const double opened = seen_opening(press, seen().normal);
+  const bool moved = std::abs(opened - press.opened) > kMoved;
+  press.opened = opened;
+  flap = press;
+  handle.press = press;
   return moved;
 }
 
@@ -212,7 +230,11 @@ void Mission::Impl::press_down(const RobotState& state) noexcept {
   const bool met = record.wrench.force.norm() > kTouch;
   if (!met && left > kMetAt && time_in_phase < kSearchTime) return;
   // A leaf that moves more easily than can be felt has gone along.
-  if (!met) handle.press->opened = pressed_opening(handle, *handle.press, record.kinematics.X_WE.translation());
+  if (!met && handle.press) {
+    FlapPress press = *handle.press;
+    press.opened = pressed_opening(handle, press, record.kinematics.X_WE.translation());
+    handle.press = press;
+  }
   taken_at = record.kinematics.X_WE;
   opener.start_pressing(state, record.kinematics, handle);
   process(Event::Held);

@@ -59,7 +59,7 @@ MechanismConfig flap(double height) {
 }
 
 TEST(Regrasp, ALowFlapIsTakenAnewOnceItsWayIsFeltAndLetGoHalfOpen) {
-  const Story story = tell(flap(0.78), MissionConfig{});
+  const Story story = tell(flap(0.72), MissionConfig{});
   ASSERT_EQ(story.let_go.size(), 2U) << story.words;
   EXPECT_NEAR(story.let_go[0], 0.0, 0.02);  // led back: 8 mm at the handle
   EXPECT_NEAR(story.let_go[1], 0.8,

@@ -62,7 +62,7 @@ class Opener {
   [[nodiscard]] std::optional<FeltMechanism> felt() const noexcept;
 
   /// Force that the motion needed so far [N].
-  [[nodiscard]] double running_force() const noexcept { return speed_law_.running_force(); }
+  [[nodiscard]] double running_force() const noexcept { return speed_law().running_force(); }
   [[nodiscard]] const MechanismEstimate& estimate() const noexcept { return estimator_.estimate(); }
   [[nodiscard]] const SceneBelief& scene() const noexcept { return scene_; }
   [[nodiscard]] SceneBelief& scene() noexcept { return scene_; }
@@ -99,8 +99,14 @@ class Opener {
   const RobotModel& model_;
   MissionConfig config_;
   MechanismEstimator estimator_;
+  [[nodiscard]] ForceLaw& force_law() noexcept { return press_ ? bare_force_law_ : force_law_; }
+  [[nodiscard]] SpeedLaw& speed_law() noexcept { return press_ ? bare_speed_law_ : speed_law_; }
+  [[nodiscard]] const SpeedLaw& speed_law() const noexcept { return press_ ? bare_speed_law_ : speed_law_; }
+
   ForceLaw force_law_;
   SpeedLaw speed_law_;
+  ForceLaw bare_force_law_;  // of fingers on a bare leaf
+  SpeedLaw bare_speed_law_;
   BaseLaw base_law_;
   std::optional<ThesisController> thesis_;  // instead of the QP; the base law is then only recorded
   EndDetector ends_;
