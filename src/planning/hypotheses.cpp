@@ -142,7 +142,7 @@ double pressed_opening(const HandleBelief& belief, const FlapPress& press, const
 }
 
 double flap_reach(const HandleBelief& belief) noexcept {
-  return (belief.position - belief.press->centre).norm() + kFlapBeyond;
+  return belief.press ? (belief.position - belief.press->centre).norm() + kFlapBeyond : 0.0;
 }
 
 double seen_opening(const FlapPress& press, const Vector3d& normal) noexcept {
