@@ -24,6 +24,8 @@ constexpr double kFallsFrom = 0.26;  // its weight has a lever by then [rad]
 constexpr double kPullTime = 0.15;   // mean of that pull [s]
 // A hand that distances hold back to this share of its speed does not get to the end, but may jam on the way there [-].
 constexpr double kFenced = 0.3;
+// Nearer to its end than this it goes on slowly: letting go and coming back takes half a minute [rad].
+constexpr double kNearlyOpen = 0.3;
 constexpr double kFencedTime = 0.1;  // [s]
 // Following a flap to its end with less to spare jams more often than pressing it down takes longer: half a good value.
 constexpr double kWorthFollowing = 0.05;
@@ -101,6 +103,9 @@ EndDetector::Verdict Opener::step_pressing(const Tick& tick) noexcept {
   // A leaf that runs ahead is not where the hand is: its stop ends the way, or a turn that no leaf makes.
   const bool pressing = correction.pull_force > kTouch || tick.record.estimate.angle > config_.goal.opening_angle + kTooFar;
   if (verdict == EndDetector::Verdict::Goal && !pressing) verdict = EndDetector::Verdict::Going;
+  // A hand that comes to stand beyond the goal had no leaf in its way.
+  const bool stands = verdict == EndDetector::Verdict::ClearanceStop || verdict == EndDetector::Verdict::Stalled;
+  if (stands && tick.record.estimate.angle > config_.goal.opening_angle) verdict = EndDetector::Verdict::Goal;
   // What is recorded is the way of the handle.
   const Vector3d axis = way.curvature.normalized();
   tick.record.estimate.direction = exp_so3(tick.record.estimate.angle * axis) * way.direction;
@@ -119,7 +124,8 @@ bool Mission::Impl::press_instead(EndDetector::Verdict verdict) noexcept {
   const bool stands = verdict == EndDetector::Verdict::ClearanceStop || verdict == EndDetector::Verdict::Stalled;
   const bool falls = leaf_pull < -kFalls && angle > kFallsFrom;
   const bool due = half_way && (falls || angle > kHalfOpen);
-  if (!due && !((stands || fenced > kFencedTime) && angle > kLeastOpen)) return false;
+  const bool jams = fenced > kFencedTime && angle < config.goal.opening_angle - kNearlyOpen;
+  if (!due && !((stands || jams) && angle > kLeastOpen)) return false;
   const std::optional<FeltMechanism> mechanism = opener.felt();
   if (!mechanism || !comes_down(handle, *mechanism)) return false;
   flap = make_press(*mechanism, taken_at.translation(), angle);
