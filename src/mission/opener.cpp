@@ -23,13 +23,14 @@ constexpr double kStopPossibleAngle = 1.36;  // first end stops of hinged doors:
 constexpr double kStopPossibleArc = 0.25;    // shortest drawers: 0.3 m, less what the slow-down lags [m]
 constexpr double kBlow = 34.0;               // what the stop's blow K v T may add [N]
 constexpr double kStopForce = 44.0;          // together with the force that the motion needs anyway [N]
-constexpr double kLeastBlow = 15.0;          // but a hand that crawls never gets there [N]
-constexpr double kBlowStiffness = 1.5e4;     // K: a stiff grasp [N/m]
-constexpr double kArmReaction = 0.025;       // T without dead time: the force rises, the joints brake [s]
-constexpr double kBareShare = 0.2;       // of speed and gains for fingers on a bare leaf: stiffer than a grasp by as much
-constexpr double kFlapSpeed = 0.15;      // a flap: its weight and the base behind the hand are not stopped at once [m/s]
-constexpr double kLeastCurvature = 0.2;  // a hinge of more than 5 m radius is driven as a slide [1/m]
-constexpr double kPivotCentring = 0.3;   // weak turn of a hand about a free bar towards where it should be [1/s]
+// Less is not left, and with more than that a stop is hard anyway: a hand that creeps only sticks against a closer.
+constexpr double kLeastBlow = 15.0;       // [N]
+constexpr double kBlowStiffness = 1.5e4;  // K: a stiff grasp [N/m]
+constexpr double kArmReaction = 0.025;    // T without dead time: the force rises, the joints brake [s]
+constexpr double kBareShare = 0.2;        // of speed and gains for fingers on a bare leaf: stiffer than a grasp by as much
+constexpr double kFlapSpeed = 0.15;       // a flap: its weight and the base behind the hand are not stopped at once [m/s]
+constexpr double kLeastCurvature = 0.2;   // a hinge of more than 5 m radius is driven as a slide [1/m]
+constexpr double kPivotCentring = 0.3;    // weak turn of a hand about a free bar towards where it should be [1/s]
 // Whether a bar turns in the fingers is tried on level axes along it. (#free-grip)
 constexpr double kAlongBar = 0.9;    // cosine: an axis within 25 degrees of the bar
 constexpr double kLevel = 0.7071;    // sine: a bar that lies rather than stands
@@ -118,7 +119,8 @@ double Opener::speed_cap(const MechanismEstimate& estimate) const noexcept {
   const double kappa = estimate.curvature.norm();
   const bool hinge = estimate.type == MechanismType::Hinge && kappa > kLeastCurvature;
   const double left = hinge ? (kStopPossibleAngle - opened_ - estimate.angle) / kappa : kStopPossibleArc - estimate.arc;
-  const double blow = std::clamp(kStopForce - speed_law().running_force(), kLeastBlow, kBlow);
+  const double spare = kStopForce - kLeastBlow - speed_law().running_force();
+  const double blow = std::min(kBlow, kLeastBlow + std::abs(spare));
   const double slow = (press_ ? kBareShare : 1.0) * std::max(config_.force.speed_start, blow_rate_ * blow);
   const double cap = std::sqrt(slow * slow + 2.0 * config_.force.deceleration * std::max(0.0, left));
   const double level = std::hypot(estimate.curvature.x(), estimate.curvature.y());
