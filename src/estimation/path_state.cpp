@@ -14,7 +14,10 @@ constexpr double kStraight = 1e-6;
 
 // One scalar row z = h·d + noise: updates covariance and error, returns its share of the NIS.
 double update_row(Matrix14d& P, Vector14d& d, const Vector14d& row, double residual, double variance) {
-  const Vector14d Ph = P * row;
+  Vector14d Ph = Vector14d::Zero();
+  for (Eigen::Index j = 0; j < row.size(); ++j) {
+    if (row[j] != 0.0) Ph += row[j] * P.col(j);  // two or six of them
+  }
   const double innovation = residual - row.dot(d);
   const double S = row.dot(Ph) + variance;
   const Vector14d gain = Ph / S;

@@ -20,6 +20,9 @@ namespace {
 namespace coal_steps = coal::details;
 using PointJacobian = Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, kMaxInputs>;
 
+// A hundred times what Coal's tolerance leaves of a distance of a metre.
+constexpr double kDistanceError = 1e-4;  // [m]
+
 // A collision body with both of Coal's shapes ready, of which `kind` says the one that is meant.
 struct Body {
   CollisionShape::Kind kind = CollisionShape::Kind::Capsule;
@@ -32,13 +35,17 @@ struct Body {
   coal::Capsule capsule{0.1, 0.1};
   coal::Box box{0.1, 0.1, 0.1};
   Pose pose = Pose::Identity();  // world
+  double way = 0.0;              // that no point of it has exceeded since the beginning [m]
   coal::Transform3s placed;      // the same for Coal
 
   [[nodiscard]] const coal::ShapeBase& core() const {
     return kind == CollisionShape::Kind::Box ? static_cast<const coal::ShapeBase&>(box) : capsule;
   }
 
+  // A point at r from the origin moves by |dp + dR r| <= sqrt(2 |dp|² + |dR|² r²). (docs/equations.md#clearance)
   void place(const Pose& X) {
+    way += std::sqrt(2.0 * (X.translation() - pose.translation()).squaredNorm() +
+                     reach * reach * (X.linear() - pose.linear()).squaredNorm());
     pose = X;
     placed.setRotation(X.linear());
     placed.setTranslation(X.translation());
@@ -120,20 +127,26 @@ void validate(const ClearanceLimits& limits, const std::string& name) {
 }  // namespace
 
 struct ClearanceChecker::Impl {
+  // Nearer than its influence only once the ways of both together have come to this [m].
   struct Pair {
+    double clear_until = -1.0;
+  };
+  struct SelfPair : Pair {
     int body, other;  // indices in bodies
+    SelfPair(int a, int b) : body(a), other(b) {}
   };
   struct Obstacle {
     bool active = false;
     MayTouch hand = MayTouch::Nothing;
     Body body;
+    std::vector<Pair> pairs;  // with each of the bodies
   };
 
   ClearanceConfig config;
   bool fixed_base = false;
   int last_joint = 0;
   std::vector<Body> bodies;
-  std::vector<Pair> self_pairs;
+  std::vector<SelfPair> self_pairs;
   std::array<Obstacle, kMaxObstacles> obstacles;
   // Coal's steps are called one by one: its solver object builds a message, and so allocates, at every call.
   coal_steps::MinkowskiDiff difference;
@@ -149,7 +162,7 @@ struct ClearanceChecker::Impl {
   [[nodiscard]] const ClearanceLimits& limits(ClearanceKind kind) const;
   bool place_robot(const RobotModel& model, const BasePose& base);
   double measure(Found& found);
-  void look(const Body& body, const Body& other, ClearanceKind kind, int obstacle, ClearanceResult& out);
+  void look(const Body& body, const Body& other, ClearanceKind kind, int obstacle, Pair& pair, ClearanceResult& out);
   void write_row(const RobotModel& model, const BasePose& base, const Found& found, ClearanceRow& out);
 };
 
@@ -160,6 +173,10 @@ ClearanceChecker::Impl::Impl(const RobotModel& model, const ClearanceConfig& c)
   validate(config.base_world, "base_world");
   for (std::size_t i = 0; i < model.shapes().size(); ++i) {
     bodies.push_back(make_body(model.shapes()[i], static_cast<int>(i)));
+  }
+  for (Obstacle& obstacle : obstacles) {
+    obstacle.body.kind = CollisionShape::Kind::Box;
+    obstacle.pairs.resize(bodies.size());
   }
   gjk.setDistanceEarlyBreak(std::numeric_limits<double>::max());
   gjk.gjk_variant = coal::DefaultGJK;
@@ -197,7 +214,7 @@ void ClearanceChecker::Impl::find_self_pairs(const RobotModel& model) {
       const bool on_base = other.joint < 0 && other.kind == CollisionShape::Kind::Box && body.joint >= 1;
       const bool on_arm = other.joint >= 0 && body.joint - other.joint >= 2;
       if ((on_base || on_arm) && !unchecked(a, b)) {
-        self_pairs.push_back({a, b});
+        self_pairs.emplace_back(a, b);
       }
     }
   }
@@ -269,10 +286,18 @@ double ClearanceChecker::Impl::measure(Found& found) {
   return found.distance;
 }
 
-void ClearanceChecker::Impl::look(const Body& body, const Body& other, ClearanceKind kind, int obstacle,
+// A pair that is far need not be measured again before both bodies together have come the rest of the way.
+// (docs/equations.md#clearance)
+void ClearanceChecker::Impl::look(const Body& body, const Body& other, ClearanceKind kind, int obstacle, Pair& pair,
                                   ClearanceResult& out) {
-  const ClearanceLimits& limit = limits(kind);
-  if (least_distance(body, other) > limit.influence) {
+  const double way = body.way + other.way;
+  if (way < pair.clear_until) {
+    return;
+  }
+  const double influence = limits(kind).influence;
+  const double least = least_distance(body, other);
+  pair.clear_until = way + least - influence - kDistanceError;
+  if (least > influence) {
     return;
   }
   Found found;
@@ -280,10 +305,11 @@ void ClearanceChecker::Impl::look(const Body& body, const Body& other, Clearance
   found.body = &body;
   found.other = &other;
   found.obstacle = obstacle;
-  if (measure(found) > limit.influence) {
+  if (measure(found) > influence) {
+    pair.clear_until = way + found.distance - influence - kDistanceError;
     return;
   }
-  found.reserve = found.distance - limit.stop;
+  found.reserve = found.distance - limits(kind).stop;
   double& smallest = out.smallest[static_cast<std::size_t>(kind)];
   smallest = std::min(smallest, found.distance);
   if (!(fixed_base && kind == ClearanceKind::BaseWorld)) {  // nothing can be done about it: no row
@@ -325,7 +351,10 @@ void ClearanceChecker::set_obstacle(int index, const Box& box, MayTouch hand) no
   Impl::Obstacle& obstacle = impl_->obstacles[static_cast<std::size_t>(index)];
   obstacle.active = box.pose.matrix().allFinite() && box.half_extents.allFinite() && box.half_extents.minCoeff() > 0.0;
   obstacle.hand = hand;
-  obstacle.body.kind = CollisionShape::Kind::Box;
+  if (!obstacle.active) {
+    return;
+  }
+  obstacle.body.way += (box.half_extents - obstacle.body.half_extents).norm();
   obstacle.body.half_extents = box.half_extents;
   obstacle.body.reach = box.half_extents.norm();
   obstacle.body.box.halfSide = box.half_extents;
@@ -347,20 +376,19 @@ void ClearanceChecker::compute(const RobotModel& model, const BasePose& base, Cl
     return;
   }
   m.shortlist.clear();
-  for (const Impl::Pair& pair : m.self_pairs) {
+  for (Impl::SelfPair& pair : m.self_pairs) {
     m.look(m.bodies[static_cast<std::size_t>(pair.body)], m.bodies[static_cast<std::size_t>(pair.other)],
-           ClearanceKind::Self, -1, out);
+           ClearanceKind::Self, -1, pair, out);
   }
   for (int i = 0; i < kMaxObstacles; ++i) {
-    const Impl::Obstacle& obstacle = m.obstacles[static_cast<std::size_t>(i)];
-    if (!obstacle.active) {
-      continue;
-    }
-    for (const Body& body : m.bodies) {
+    Impl::Obstacle& obstacle = m.obstacles[static_cast<std::size_t>(i)];
+    for (std::size_t b = 0; obstacle.active && b < m.bodies.size(); ++b) {
+      const Body& body = m.bodies[b];
       const bool exempt = body.joint == m.last_joint &&
                           (obstacle.hand == MayTouch::Hand || (obstacle.hand == MayTouch::Fingers && body.finger));
       if (!exempt) {
-        m.look(body, obstacle.body, body.joint < 0 ? ClearanceKind::BaseWorld : ClearanceKind::ArmWorld, i, out);
+        m.look(body, obstacle.body, body.joint < 0 ? ClearanceKind::BaseWorld : ClearanceKind::ArmWorld, i,
+               obstacle.pairs[b], out);
       }
     }
   }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -33,12 +34,35 @@ struct RobotParts {
 /// Reads and cross-checks URDF and TOML. @throws ModelError, IoError
 [[nodiscard]] RobotParts assemble_robot(const std::filesystem::path& urdf, const std::filesystem::path& toml);
 
+/// A turn about the vertical, for the few products that need no full matrix.
+struct Heading {
+  double yaw = 0.0;  ///< [rad]
+  double c = 1.0;
+  double s = 0.0;
+
+  [[nodiscard]] Vector3d turn(const Vector3d& v) const { return {c * v.x() - s * v.y(), s * v.x() + c * v.y(), v.z()}; }
+  [[nodiscard]] Vector3d turn_back(const Vector3d& v) const { return {c * v.x() + s * v.y(), c * v.y() - s * v.x(), v.z()}; }
+  [[nodiscard]] Matrix3d matrix() const {
+    Matrix3d R;
+    R << c, -s, 0.0, s, c, 0.0, 0.0, 0.0, 1.0;
+    return R;
+  }
+};
+
 struct RobotModel::Impl {
   RobotParts parts;
   ArmChain chain;
+  Heading heading;         ///< The last that was asked for: a tick asks for the same one some dozen times
   bool evaluated = false;  ///< The last compute() had finite inputs
 
   explicit Impl(RobotParts p) : parts(std::move(p)), chain(parts.urdf, parts.names) {}
+
+  const Heading& face(double yaw) {
+    if (!(yaw == heading.yaw)) {
+      heading = {yaw, std::cos(yaw), std::sin(yaw)};
+    }
+    return heading;
+  }
 };
 
 }  // namespace ajar

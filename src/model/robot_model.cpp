@@ -11,20 +11,6 @@ namespace {
 // Below this distance the direction from the axle to the hand is not defined; the row is then zero. [m]
 constexpr double kLeastDistance = 1e-9;
 
-// A turn about the vertical, for the few products that need no full matrix.
-struct Heading {
-  double c, s;
-
-  explicit Heading(double yaw) : c(std::cos(yaw)), s(std::sin(yaw)) {}
-  [[nodiscard]] Vector3d turn(const Vector3d& v) const { return {c * v.x() - s * v.y(), s * v.x() + c * v.y(), v.z()}; }
-  [[nodiscard]] Vector3d turn_back(const Vector3d& v) const { return {c * v.x() + s * v.y(), c * v.y() - s * v.x(), v.z()}; }
-  [[nodiscard]] Matrix3d matrix() const {
-    Matrix3d R;
-    R << c, -s, 0.0, s, c, 0.0, 0.0, 0.0, 1.0;
-    return R;
-  }
-};
-
 bool all_finite(const BasePose& base, const JointVector& q) noexcept {
   return std::isfinite(base.x + base.y + base.yaw) && std::isfinite(q.sum());
 }
@@ -83,7 +69,7 @@ void RobotModel::compute(const BasePose& base, const JointVector& q, Kinematics&
   }
   impl_->chain.compute(q);
   impl_->evaluated = true;
-  const Heading heading(base.yaw);
+  const Heading& heading = impl_->face(base.yaw);
   const Matrix3d R_WB = heading.matrix();
   const Vector3d p_WB(base.x, base.y, 0.0);
   const Pose& X_BE = impl_->chain.hand();
@@ -121,7 +107,7 @@ void RobotModel::compute(const BasePose& base, const JointVector& q, Kinematics&
 bool RobotModel::evaluated() const noexcept { return impl_->evaluated; }
 
 Pose RobotModel::joint_pose(int joint, const BasePose& base) const noexcept {
-  const Heading heading(base.yaw);
+  const Heading& heading = impl_->face(base.yaw);
   const Vector3d p_WB(base.x, base.y, 0.0);
   Pose X_WJ = Pose::Identity();
   if (joint < 0) {
@@ -139,7 +125,7 @@ void RobotModel::point_jacobian(int joint, const Vector3d& p_W, const BasePose& 
                                 Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, kMaxInputs>& out) const noexcept {
   const Eigen::Index n = joints();
   out.setZero(3, n + 2);
-  const Heading heading(base.yaw);
+  const Heading& heading = impl_->face(base.yaw);
   const Vector3d r_W = p_W - Vector3d(base.x, base.y, 0.0);
   const Vector3d p_B = heading.turn_back(r_W);
   const auto& J_B = impl_->chain.jacobian();

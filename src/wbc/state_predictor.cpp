@@ -59,8 +59,9 @@ BaseTwist StatePredictor::roll(BaseState& base, double from, double to) const no
   double turn = 0.0;
   double arc_time = 0.0;
   double time = from;
-  while (time < to) {
-    const int ticks = static_cast<int>(std::ceil((transport - time) / period_ - kTickRoundOff)) - 1;
+  // Commands before the one that acts, one fewer at the end of each.
+  int ticks = static_cast<int>(std::ceil((transport - time) / period_ - kTickRoundOff)) - 1;
+  for (; time < to; --ticks) {
     const Command& command = sent_before(ticks);
     const double end = ticks > 0 ? std::min(to, transport - ticks * period_) : to;
     const double dt = end - time;

@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -281,6 +282,59 @@ TEST(Clearance, RowsAreSortedAndBounded) {
     }
   }
   EXPECT_EQ(fullest, kMaxClearanceRows);
+}
+
+// A box comes near by sliding, turning or growing alone; a checker that knows nothing of the way there is the judge.
+TEST(Clearance, SkippedPairsAreSeenAsSoonAsTheyAreNear) {
+  const RobotModel model = ball_on_a_slide();
+  const JointVector q = JointVector::Zero(2);
+  for (const std::string motion : {"slide", "turn", "grow", "drive"}) {
+    ClearanceChecker checker(model, {});
+    int rows = 0;
+    for (int tick = 0; tick <= 400; ++tick) {
+      const double way = tick / 400.0;
+      Box bar;  // across, 0.6 m before the ball
+      bar.half_extents = Vector3d(0.02, motion == "grow" ? 0.1 + 0.5 * way : 0.6, 0.02);
+      bar.pose.translation() = Vector3d(motion == "slide" ? 0.6 - 0.5 * way : 0.6, motion == "grow" ? 0.8 : 0.0, 1.0);
+      if (motion == "turn") bar.pose.rotate(Eigen::AngleAxisd(0.5 * M_PI * way, Vector3d::UnitZ()));
+      const BasePose base{motion == "grow" ? 0.6 : motion == "drive" ? 0.5 * way : 0.0, 0.0, 0.0};
+      ClearanceChecker judge(model, {});
+      checker.set_obstacle(0, bar, MayTouch::Nothing);
+      judge.set_obstacle(0, bar, MayTouch::Nothing);
+      const ClearanceResult a = evaluate(model, checker, base, q), b = evaluate(model, judge, base, q);
+      ASSERT_EQ(a.count, b.count) << motion << " " << tick;
+      ASSERT_EQ(a.smallest, b.smallest) << motion << " " << tick;
+      rows += a.count;
+    }
+    EXPECT_GT(rows, 20) << motion;
+    EXPECT_LT(rows, 380) << motion;
+  }
+}
+
+// The same for steps of every size, from a tick at 1 rad/s to a planner's posture, and obstacles that come and go.
+TEST(Clearance, RememberedPairsChangeNothing) {
+  const RobotModel model = load_robot("heron");
+  std::mt19937_64 rng(24);
+  std::uniform_real_distribution<double> unit(-1.0, 1.0);
+  ClearanceChecker checker(model, {});
+  JointVector q = model.home();
+  std::array<Box, 3> boxes = {random_box(rng), random_box(rng), random_box(rng)};
+  for (int tick = 0; tick < 3000; ++tick) {
+    const double step = tick % 500 == 0 ? 1.0 : 2e-3 * std::pow(10.0, unit(rng));
+    q += step * JointVector::NullaryExpr(q.size(), [&] { return unit(rng); });
+    ClearanceChecker judge(model, {});
+    for (int i = 0; i < 3; ++i) {
+      Box& box = boxes[static_cast<std::size_t>(i)];
+      box.pose.translation() += step * Vector3d(unit(rng), unit(rng), unit(rng));
+      const auto hand = static_cast<MayTouch>((tick / 700 + i) % 3);
+      for (ClearanceChecker* c : {&checker, &judge}) {
+        (tick / 300 + i) % 4 == 0 ? c->clear_obstacle(i) : c->set_obstacle(i, box, hand);
+      }
+    }
+    const ClearanceResult a = evaluate(model, checker, {}, q), b = evaluate(model, judge, {}, q);
+    ASSERT_EQ(a.count, b.count) << tick;
+    ASSERT_EQ(a.smallest, b.smallest) << tick;
+  }
 }
 
 TEST(Clearance, HomeOfHeronIsClearOfItself) {
