@@ -62,6 +62,7 @@ struct Mission::Impl {
   void probe() noexcept;
   void open(const RobotState& state) noexcept;
   bool found_to_open_away(EndDetector::Verdict verdict) noexcept;
+  [[nodiscard]] bool found_to_pivot(EndDetector::Verdict verdict) noexcept;
   bool better_held_otherwise(EndDetector::Verdict verdict) noexcept;
   bool press_instead(EndDetector::Verdict verdict) noexcept;
   bool good_to_the_end(const FeltMechanism& mechanism) noexcept;
@@ -136,6 +137,7 @@ struct Mission::Impl {
   int probes = 0;
   double moving_force = 0.0;           // that probing needed to move it, with a reserve; 0 = it was not probed [N]
   std::optional<HingeSide> felt_side;  // of a leaf that opens away
+  std::optional<double> felt_radius;   // of one that turns about an axis within its width [m]
   double misreading = 0.0;             // of the camera about the vertical, as felt [rad]
   std::optional<FeltMechanism> felt;   // that the handle is taken anew for
   bool half_way = false;               // the handle is held for half the way only

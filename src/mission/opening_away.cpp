@@ -10,6 +10,9 @@ constexpr double kAwayCosine = -0.5;  // more into the wall than along it
 constexpr double kFeelArc = 0.14;     // travel after which the hinge's side is felt, whatever it looked like [m]
 constexpr double kSideSigmas = 3.0;   // curvature over its deviation that tells the side
 
+constexpr double kPivotArc = 0.08;    // travel from which a radius is believed against the seen frame [m]
+constexpr double kPivotSigmas = 2.0;  // by which it must contradict it: the stated deviation has a floor of a tenth
+
 }  // namespace
 
 // The sights so far, less what touch has shown the camera to misread.
@@ -38,6 +41,23 @@ bool Mission::Impl::found_to_open_away(EndDetector::Verdict verdict) noexcept {
                        : felt_misreading(handle, *passage, moved, 0.5 * moved.norm());
   }
   probes = 0;
+  process(Event::Rechoose);
+  return true;
+}
+
+// A leaf that turns about an axis within its width is pushed anew, beside what swings back: while nothing of the base is
+// between leaf and frame there is room to go back.
+bool Mission::Impl::found_to_pivot(EndDetector::Verdict verdict) noexcept {
+  const MechanismEstimate& e = record.estimate;
+  if (!handle.passage || handle.passage->overhang > 0.0 || verdict != EndDetector::Verdict::Going) return false;
+  if (!e.fitted || e.type != MechanismType::Hinge || e.arc < kPivotArc || e.arc > kFeelArc) return false;
+  const double felt_more = std::abs(e.curvature.z()) - passage_curvature(handle, *handle.passage).norm();
+  if (felt_more < kPivotSigmas * e.curvature_sigma) return false;
+  const double radius = 1.0 / std::abs(e.curvature.z());
+  const std::optional<Passage> pivot = pivot_passage(handle, *handle.passage, radius);
+  if (!pivot) return false;
+  felt_radius = radius;
+  misreading += felt_misreading(handle, *pivot, e.direction, e.arc);
   process(Event::Rechoose);
   return true;
 }

@@ -58,6 +58,9 @@ void Mission::Impl::choose(const RobotState& state) {
   handle = landmark = seen();
   if (flap && look_at_flap()) return;
   if (felt_side) handle.passage = make_passage(handle, *felt_side);
+  if (handle.passage && felt_radius) {
+    if (const std::optional<Passage> pivot = pivot_passage(handle, *handle.passage, *felt_radius)) handle.passage = pivot;
+  }
   if (!flap) handle.felt = felt;
   if (handle.thickness <= 0.0 || handle.thickness > model.gripper_stroke()) {
     detail = handle.thickness <= 0.0 ? std::string("nothing to grip: flush with the leaf")
@@ -67,11 +70,6 @@ void Mission::Impl::choose(const RobotState& state) {
     return;
   }
   candidates = planner.choose(handle, seed, &detail);
-  if (candidates.empty() && reveal_depth(handle) > 0.0) {
-    // A handle beside its post: shapes that are rounded up by a centimetre do not decide that no hand fits.
-    handle.doorway.reset();
-    candidates = planner.choose(handle, seed, &detail);
-  }
   if (!flap) choose_half_way();
   const bool narrow = handle.passage && passage_width(*handle.passage) < base_width(model);
   if (narrow) detail = passage_room(*handle.passage, model);
@@ -220,7 +218,7 @@ void Mission::Impl::open(const RobotState& state) noexcept {
   }
   const EndDetector::Verdict verdict = handle.press ? opener.step_pressing(tick(state)) : opener.step(tick(state));
   command_solution();
-  if (found_to_open_away(verdict) || press_instead(verdict) || better_held_otherwise(verdict)) return;
+  if (found_to_open_away(verdict) || found_to_pivot(verdict) || press_instead(verdict) || better_held_otherwise(verdict)) return;
   switch (verdict) {
     case EndDetector::Verdict::Going: break;
     case EndDetector::Verdict::Goal: process(Event::Ended, EndReason::GoalReached); break;

@@ -12,11 +12,14 @@ namespace {
 constexpr double kLeafThickness = 0.04;
 // Pins stand beside the frame by a few millimetres (lists) to 3 cm (rebated) [m].
 constexpr double kAxisFromFrame = 0.015;
-// What frame gap and leaf take from the opening when the leaf stands open [m].
-constexpr double kOpenLeaf = kLeafThickness + 0.03;
+// What frame gap and axis take from the opening besides the leaf that stands open [m].
+constexpr double kOpenGap = 0.03;
 // Nothing narrower is a doorway, no leaf is wider [m].
 constexpr double kLeastWidth = 0.3;
 constexpr double kLargestRadius = 2.0;
+// An axis farther than this from the frame is a pivot's: frame and handle are seen and the radius is felt to some
+// centimetres [m].
+constexpr double kLeastOverhang = 0.1;
 // Walls: farther out than a robot reaches, as deep as an outer wall of brick [m].
 constexpr double kWallHalfWidth = 1.5;
 constexpr double kWallDepth = 0.2;
@@ -32,14 +35,29 @@ Vector3d flat(const Vector3d& v) { return {v.x(), v.y(), 0.0}; }
 // Along the wall from where the leaf shuts to its hinge, unit.
 Vector3d across(const Passage& passage) { return flat(passage.hinge - passage.strike).normalized(); }
 
-Box wall(const Passage& passage, const Vector3d& edge, const Vector3d& outward) {
+// Of the axis behind the leaf's face: pins stand on the far one, a pivot in the middle [m].
+double axis_depth(bool pivot) { return pivot ? 0.5 * kLeafThickness : kLeafThickness; }
+
+// The plane of the axis, seen from above: behind the handle, and from there towards the hinge.
+struct LeafLine {
+  Vector3d foot;
+  Vector3d along;
+};
+
+LeafLine leaf_line(const HandleBelief& belief, const Passage& passage, bool pivot) {
+  const Vector3d n = flat(belief.normal).normalized();
+  const Vector3d t = Vector3d::UnitZ().cross(n);
+  return {belief.position - (belief.standoff + axis_depth(pivot)) * n, t.dot(across(passage)) < 0.0 ? Vector3d(-t) : t};
+}
+
+Box wall(const Passage& passage, const Vector3d& edge, const Vector3d& outward, double overhang = 0.0) {
   Box box;
   box.pose.linear().col(1) = passage.inward;
   box.pose.linear().col(2) = Vector3d::UnitZ();
   box.pose.linear().col(0) = passage.inward.cross(Vector3d::UnitZ());
-  box.pose.translation() = flat(edge) + kWallHalfWidth * outward + 0.5 * kWallDepth * passage.inward;
+  box.pose.translation() = flat(edge) + kWallHalfWidth * outward + 0.5 * (kWallDepth - overhang) * passage.inward;
   box.pose.translation().z() = kWallHalfHeight;
-  box.half_extents = Vector3d(kWallHalfWidth, 0.5 * kWallDepth, kWallHalfHeight);
+  box.half_extents = Vector3d(kWallHalfWidth, 0.5 * (kWallDepth + overhang), kWallHalfHeight);
   return box;
 }
 
@@ -65,16 +83,27 @@ std::optional<Passage> make_passage(const HandleBelief& belief, HingeSide side) 
   return passage;
 }
 
-// The axis lies a leaf's thickness behind the face, where the line along the leaf meets the frame.
-Vector3d passage_axis(const HandleBelief& belief, const Passage& passage) {
-  const Vector3d n = flat(belief.normal).normalized();
+std::optional<Passage> pivot_passage(const HandleBelief& belief, const Passage& passage, double radius) {
+  const LeafLine leaf = leaf_line(belief, passage, true);
+  const double depth = (belief.position - leaf.foot).norm();
+  if (!(radius > depth)) return std::nullopt;
+  const Vector3d axis = leaf.foot + std::sqrt(radius * radius - depth * depth) * leaf.along;
   const Vector3d e = across(passage);
-  Vector3d t = Vector3d::UnitZ().cross(n);
-  if (t.dot(e) < 0.0) t = -t;
-  const Vector3d foot = belief.position - (belief.standoff + kLeafThickness) * n;
-  const double slope = std::max(0.2, t.dot(e));
-  const double radius = (e.dot(flat(passage.hinge - foot)) - kAxisFromFrame) / slope;
-  return foot + std::clamp(radius, 0.1, kLargestRadius) * t;
+  const double overhang = e.dot(flat(passage.hinge - axis)) - kAxisFromFrame;
+  if (!(overhang > kLeastOverhang)) return std::nullopt;
+  Passage out = passage;
+  out.hinge -= overhang * e;
+  out.overhang = overhang;
+  return out;
+}
+
+// Where the plane of the axis meets the frame.
+Vector3d passage_axis(const HandleBelief& belief, const Passage& passage) {
+  const LeafLine leaf = leaf_line(belief, passage, passage.overhang > 0.0);
+  const Vector3d e = across(passage);
+  const double slope = std::max(0.2, leaf.along.dot(e));
+  const double radius = (e.dot(flat(passage.hinge - leaf.foot)) - kAxisFromFrame) / slope;
+  return leaf.foot + std::clamp(radius, 0.1, kLargestRadius) * leaf.along;
 }
 
 Vector3d passage_curvature(const HandleBelief& belief, const Passage& passage) {
@@ -109,7 +138,9 @@ HandleBelief turned_about_handle(const HandleBelief& belief, double angle) noexc
   return out;
 }
 
-double passage_width(const Passage& passage) { return flat(passage.hinge - passage.strike).norm() - kOpenLeaf; }
+double passage_width(const Passage& passage) {
+  return flat(passage.hinge - passage.strike).norm() - axis_depth(passage.overhang > 0.0) - kOpenGap;
+}
 
 double base_width(const RobotModel& model) {
   double half = 0.0;
@@ -139,7 +170,7 @@ BaseLine passage_line(const Passage& passage) {
 
 std::array<Box, 2> passage_walls(const Passage& passage) {
   const Vector3d e = across(passage);
-  return {wall(passage, passage.strike, -e), wall(passage, passage.hinge, e)};
+  return {wall(passage, passage.strike, -e), wall(passage, passage.hinge, e, passage.overhang)};
 }
 
 double reveal_depth(const HandleBelief& belief) noexcept {

@@ -93,6 +93,44 @@ TEST(Passage, TheWayRunsInTheMiddleOfWhatTheOpenLeafLeaves) {
   }
 }
 
+// A leaf of 1 m that pivots 0.3 m inside its frame, its axis in the middle of the leaf.
+TEST(Passage, APivotWithinTheLeafStandsForTheEdgeOfTheFrame) {
+  constexpr double kOverhang = 0.3;
+  for (const Door& door : kDoors) {
+    if (door.angle > 0.0) continue;
+    const Matrix3d R = exp_so3(Vector3d(0.0, 0.0, door.yaw));
+    const HandleBelief belief = belief_of(door);
+    const Passage hinged = passage_of(door);
+    const Vector3d axis(door.side * (kRadius - kOverhang), 0.5 * kAxisDepth, 1.0);
+    const double radius = (axis - Vector3d(0.0, -kStandoff, 1.0)).norm();
+    const std::optional<Passage> pivot = pivot_passage(belief, hinged, radius);
+    ASSERT_TRUE(pivot.has_value());
+    EXPECT_NEAR(pivot->overhang, kOverhang, 1e-12);
+    EXPECT_LT((passage_axis(belief, *pivot) - R * axis).norm(), 1e-9);
+    EXPECT_NEAR(passage_curvature(belief, *pivot).norm(), 1.0 / radius, 1e-9);
+    EXPECT_NEAR(passage_width(*pivot), passage_width(hinged) - kOverhang + 0.5 * kAxisDepth, 1e-12);
+    // What swings back lies within the wall beyond the axis: its tip on all of the way is no farther out than `overhang`.
+    const Box beyond = passage_walls(*pivot)[1];
+    for (const double angle : {0.1, 0.8, 1.5}) {
+      const Vector3d open = exp_so3(Vector3d(0.0, 0.0, -door.side * angle)) * Vector3d(door.side * kOverhang, 0.0, 0.0);
+      const Vector3d tip = beyond.pose.inverse() * Vector3d(R * (axis + open + Vector3d(0.0, -0.5 * kAxisDepth, 0.0)));
+      EXPECT_LT(std::abs(tip.y()), beyond.half_extents.y() + 1e-12);
+    }
+  }
+}
+
+TEST(Passage, ALeafHingedAtItsFrameIsNoPivot) {
+  for (const Door& door : kDoors) {
+    const HandleBelief belief = belief_of(door);
+    const Passage hinged = passage_of(door);
+    const double radius = 1.0 / passage_curvature(belief, hinged).norm();
+    EXPECT_FALSE(pivot_passage(belief, hinged, radius).has_value());
+    EXPECT_FALSE(pivot_passage(belief, hinged, radius - 0.07).has_value());
+    EXPECT_FALSE(pivot_passage(belief, hinged, 0.5 * kStandoff).has_value());
+    EXPECT_FALSE(pivot_passage(belief, hinged, std::numeric_limits<double>::quiet_NaN()).has_value());
+  }
+}
+
 TEST(Passage, TheHandTurnsItsBackToTheHinge) {
   for (const Door& door : kDoors) {
     const HandleBelief belief = belief_of(door);

@@ -18,7 +18,8 @@ namespace ajar {
 struct Passage {
   Vector3d inward = Vector3d::UnitY();  ///< Through the doorway, unit, horizontal
   Vector3d strike = Vector3d::Zero();   ///< Edge of the frame where the leaf shuts [m]
-  Vector3d hinge = Vector3d::Zero();    ///< Edge of the frame where it is hinged [m]
+  Vector3d hinge = Vector3d::Zero();    ///< Edge of the frame where it is hinged, or what stands for it before a pivot [m]
+  double overhang = 0.0;                ///< Leaf beyond a pivot within its width: it swings towards the robot [m]
   double opened = 0.0;                  ///< How far the leaf stands open already [rad]
 };
 

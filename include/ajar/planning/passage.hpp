@@ -21,6 +21,12 @@ enum class HingeSide { Left, Right };
 /// @return nothing without a seen doorway or with one that has no width
 [[nodiscard]] std::optional<Passage> make_passage(const HandleBelief& belief, HingeSide side);
 
+/// The passage of a leaf that was felt to turn about an axis within its width: the part beyond the axis swings towards the
+/// robot, the way lies between the axis and where the leaf shuts. (docs/equations.md#passage)
+/// @param radius  Of the grip about the axis, as felt [m]
+/// @return nothing where the felt axis is that of a leaf hinged at its frame
+[[nodiscard]] std::optional<Passage> pivot_passage(const HandleBelief& belief, const Passage& passage, double radius);
+
 /// Point on the believed hinge axis at the height of the grip: in the plane of the leaf's far face, beside the frame. [m]
 [[nodiscard]] Vector3d passage_axis(const HandleBelief& belief, const Passage& passage);
 
