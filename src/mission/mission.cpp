@@ -138,11 +138,14 @@ std::string Mission::explain() const {
   const Impl& m = *impl_;
   const MechanismEstimate& e = m.record.estimate;
   std::string seen = fmt::format("{:.2f} m of travel, {:.0f} deg turned", e.arc, e.angle * 180.0 / M_PI);
+  if (m.went_back) seen += "; let go, it goes back as far as that";
   if (m.holding) seen += "; it closes by itself and is held";
   const std::string room = m.handle.passage ? fmt::format("; {}", passage_room(*m.handle.passage, m.model)) : "";
   switch (m.why) {
     case EndReason::GoalReached: return fmt::format("open as wanted: {}", seen);
-    case EndReason::StopFelt: return fmt::format("an end stop was felt: {}", seen);
+    case EndReason::StopFelt:
+      if (m.fell) return fmt::format("it came down by itself as far as it goes: {:.0f} deg turned", e.angle * 180.0 / M_PI);
+      return fmt::format("an end stop was felt: {}", seen);
     case EndReason::HandleUnseen: return "the camera saw no handle";
     case EndReason::NothingToGrip: return m.detail;
     case EndReason::Unreachable: return m.detail.empty() ? "no posture reaches the handle" : m.detail;

@@ -128,9 +128,7 @@ Command Mission::Impl::step(const RobotState& measured) noexcept {
     predictor.refresh(state);
     model.compute(state.base, state.q, record.kinematics);
     record.wrench = wrench.hand_wrench(state, record.kinematics);
-    if (phase != Phase::Open) {  // there the controller says it
-      record.solution.sigma_min = arm_sigma_min(record.kinematics, config.wbc.length, sigma_track);
-    }
+    record.solution.sigma_min = arm_sigma_min(record.kinematics, config.wbc.length, sigma_track);
     if (!too_much(state) && !base_blocked(state)) {
       time_in_phase += config.period;
       ahead.robot = predictor.predict(state);
@@ -229,6 +227,7 @@ void Mission::Impl::enter(Phase next) noexcept {
   located = false;
   blocked_time = 0.0;
   given_until = 0.0;
+  run_up = 0.0;
   still_force.setZero();
   still_ticks = 0;
   switch (next) {

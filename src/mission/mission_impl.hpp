@@ -7,6 +7,7 @@
 #include "ajar/mission/opener.hpp"
 #include "ajar/mission/phase_table.hpp"
 #include "ajar/mission/prober.hpp"
+#include "ajar/planning/flap_room.hpp"
 #include "ajar/planning/passage.hpp"
 
 namespace ajar {
@@ -70,6 +71,7 @@ struct Mission::Impl {
   void choose_half_way();
   bool look_at_flap() noexcept;
   bool flap_moved() noexcept;
+  bool at_its_stop() noexcept;
   void look_at_result(const RobotState& state) noexcept;
   bool flap_rests(const RobotState& state) noexcept;
   void press_down(const RobotState& state) noexcept;
@@ -88,6 +90,11 @@ struct Mission::Impl {
   // Moves the hand towards a pose; returns the position error [m].
   double move_hand(const Pose& target, double speed, bool base_fixed = true) noexcept;
   void solve_hand_twist(const Vector6d& twist, bool base_fixed = true) noexcept;
+  void start_run_up() noexcept;
+  [[nodiscard]] bool runs_up() const noexcept;
+  bool off_flap(const KeepOut& beside, const RobotState& state) noexcept;
+  [[nodiscard]] KeepOut kept_out() const noexcept;
+  [[nodiscard]] HandleBelief half_open() const noexcept;
   void command_zero() noexcept;
   void command_solution() noexcept;
   void command_joints(const JointVector& rates) noexcept;
@@ -144,6 +151,9 @@ struct Mission::Impl {
   double leaf_pull = 0.0;              // along the way, mean [N]
   double fenced = 0.0;                 // held back by distances for this long [s]
   std::optional<FlapPress> flap;       // that was let go half open
+  double let_go_at = 0.0;              // its opening then [rad]
+  bool fell = false;                   // it came down from there to its stop by itself
+  bool went_back = false;              // what was opened does not stay open once it is let go
   HandleBelief closed_handle;          // of that flap
   HandleBelief landmark;               // handle as it was seen when the choice was made
   int judgements = 0;                  // of the grasp, by what was felt
@@ -160,6 +170,7 @@ struct Mission::Impl {
   Pose clear_pose = Pose::Identity();
   Pose taken_at = Pose::Identity();  // hand when the fingers had closed
   bool is_shut = false;              // what was opened a little before letting go stands again as it was
+  double run_up = 0.0;               // speed of the base away from a flap that is let go [m/s]
   BasePose retreat_start;
   double retreat_sense = 0.0;
   double last_gap = 0.0;

@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include "ajar/core/so3.hpp"
-#include "ajar/planning/hypotheses.hpp"
 #include "mission_impl.hpp"
 
 namespace ajar {
@@ -42,6 +41,7 @@ constexpr double kOpenFingerTime = 0.6;  // [s]
 constexpr double kLetTime = 0.02;        // the fingers give way: 2 mm of their travel [s]
 constexpr double kQuickHand = 0.6;       // away from a flap that may come down once nothing holds it [m/s]
 constexpr double kQuickWay = 0.25;       // [m]
+constexpr double kAllTheWay = 1.57;      // a flap that was let go may come down so far [rad]
 constexpr double kWithdraw = 0.15;       // the hand leaves the handle by this much [m]
 constexpr std::uint64_t kSecondDraw = 1000;  // added to the seed of the choice: another draw than any posture search had
 
@@ -74,6 +74,8 @@ void Mission::Impl::choose(const RobotState& state) {
   const bool narrow = handle.passage && passage_width(*handle.passage) < base_width(model);
   if (narrow) detail = passage_room(*handle.passage, model);
   if (candidates.empty() || (narrow && candidates.front().value < 0.0)) {
+    if (at_its_stop()) return;
+    if (flap) detail = fmt::format("let go, it stands open by {:.0f} deg: {}", flap->opened * 180.0 / M_PI, detail);
     process(Event::GaveUp, EndReason::Unreachable);
     return;
   }
@@ -83,16 +85,23 @@ void Mission::Impl::choose(const RobotState& state) {
   process(Event::Chosen);
 }
 
+// The wall, or what stands beside it, that the base keeps out of on its way.
+KeepOut Mission::Impl::kept_out() const noexcept {
+  if (handle.press) return beside_flap(handle, handle.press->opened);
+  KeepOut wall;
+  wall.point = (handle.position + (reveal_depth(handle) - handle.standoff) * handle.normal).head<2>();
+  wall.normal = handle.normal.head<2>().normalized();
+  if (handle.passage) {
+    wall.point = handle.passage->hinge.head<2>();
+    wall.normal = -handle.passage->inward.head<2>();
+  }
+  return wall;
+}
+
 void Mission::Impl::approach(const RobotState& state) {
   if (!planned) {
-    KeepOut wall;
-    wall.point = (handle.position + (reveal_depth(handle) - handle.standoff) * handle.normal).head<2>();
-    wall.normal = handle.normal.head<2>().normalized();
-    if (handle.passage) {
-      wall.point = handle.passage->hinge.head<2>();
-      wall.normal = -handle.passage->inward.head<2>();
-    }
-    if (handle.press) wall.point += wall.normal * flap_reach(handle);
+    const KeepOut wall = kept_out();
+    if (handle.press && !off_flap(wall, state)) return;
     const bool upright = handle.normal.head<2>().norm() > 0.5;  // a lid has no wall behind it
     navigator.set_target(state.base, candidates[candidate].base, upright ? &wall : nullptr);
     planned = true;
@@ -107,6 +116,7 @@ void Mission::Impl::approach(const RobotState& state) {
 
 void Mission::Impl::next_candidate(const RobotState&) {
   ++tried;
+  if (at_its_stop()) return;
   if (++candidate >= candidates.size() && !drawn_anew) {
     drawn_anew = true;  // other postures, for the handle as it is known from near
     candidates = planner.choose(handle, seed + kSecondDraw, nullptr);
@@ -133,6 +143,7 @@ void Mission::Impl::solve_hand_twist(const Vector6d& twist, bool base_fixed) noe
   problem.base_motion = ahead.robot.base_motion;
   problem.tangential = twist;
   problem.base_fixed = base_fixed;
+  if (!base_fixed) problem.base = {run_up, 0.0};
   opener.scene().place(clearance, true);
   clearance.compute(model, ahead.robot.base, clearances);
   problem.clearance = &clearances;
@@ -248,7 +259,7 @@ bool Mission::Impl::let_go(double give_time) noexcept {
     const bool light = feels ? still_force.norm() < kStillForce : record.wrench.force.norm() < kLightForce;
     presses = !light;
     const double least = handle.passage ? kEaseTime + kFeelTime : kRelaxTime;
-    if (time_in_phase > least && (light || time_in_phase > give_time)) given_until = time_in_phase;
+    if (time_in_phase > least && !runs_up() && (light || time_in_phase > give_time)) given_until = time_in_phase;
   }
   // What comes down once nothing holds it leaves no time: the open fingers slide off the bar along themselves.
   const bool quick = flap && !handle.press;
@@ -322,8 +333,9 @@ void Mission::Impl::regrasp(const RobotState& state) {
   }
   if (!planned) {
     // A leaf that closes by itself is led back to its frame, or it would follow the hand.
+    if (flap && given_until == 0.0) start_run_up();
     cleared = cleared || let_go(flap ? kRelaxTime : kLeadBackTime);
-    if (!cleared || (flap && !flap_rests(state))) return;
+    if (!cleared || (flap && (!off_flap(beside_flap(half_open(), kAllTheWay), state) || !flap_rests(state)))) return;
     if (!start_folding(state)) process(Event::GaveUp, EndReason::Unreachable);
     return;
   }

@@ -19,7 +19,7 @@ constexpr double kLeastOpen = 0.55;
 constexpr double kWorthHolding = -0.06;
 // A leaf that pulls the hand along with more than this comes down when nothing holds it, against the friction of rest
 // too; the sooner it is let go the slower it starts [N].
-constexpr double kFalls = 3.0;
+constexpr double kFalls = 1.5;
 constexpr double kFallsFrom = 0.26;  // its weight has a lever by then [rad]
 constexpr double kPullTime = 0.15;   // mean of that pull [s]
 // A hand that distances hold back to this share of its speed does not get to the end, but may jam on the way there [-].
@@ -37,9 +37,16 @@ constexpr double kFeelSpeed = 0.04;   // [m/s]
 constexpr double kLevelAxis = 0.3;    // sine: within 17 degrees of level
 constexpr double kTouch = 4.0;        // four deviations of noise and drift of the sensor [N]
 constexpr double kMetAt = 5e-3;       // the end of the search [m]
-constexpr double kSearchTime = 10.0;  // [s]
-constexpr double kLookAgain = 0.5;    // [s]
-constexpr double kMoved = 0.05;       // a leaf that has turned more than this since the choice moves by itself [rad]
+constexpr double kSearchTime = 12.0;  // [s]
+// Nearer than this to where the face should be, what the sight errs by, the hand is slow: a flap at its stop is as hard as a
+// wall, and K v T is the blow of bare fingers (as of an end stop, docs/equations.md#speed-law).
+constexpr double kNearFace = 0.03;      // [m]
+constexpr double kFaceBlow = 50.0;      // [N]
+constexpr double kFaceStiffness = 7e4;  // of bare fingers and arm: five stiff grasps [N/m]
+constexpr double kReaction = 0.025;     // of the arm, beyond the loop's own delay [s]
+constexpr double kLookAgain = 0.5;      // [s]
+constexpr double kFell = 0.2;           // by so much no flap swings that does not run on to its stop [rad]
+constexpr double kMoved = 0.05;         // a leaf that has turned more than this since the choice moves by itself [rad]
 
 }  // namespace
 
@@ -129,6 +136,7 @@ bool Mission::Impl::press_instead(EndDetector::Verdict verdict) noexcept {
   const std::optional<FeltMechanism> mechanism = opener.felt();
   if (!mechanism || !comes_down(handle, *mechanism)) return false;
   flap = make_press(*mechanism, taken_at.translation(), angle);
+  let_go_at = angle;
   closed_handle = handle;
   process(Event::Rechoose);
   return true;
@@ -176,10 +184,15 @@ bool Mission::Impl::look_at_flap() noexcept {
   record.estimate.angle = press.opened;
   if (press.opened > config.goal.opening_angle) {  // it came down by itself
     process(Event::Ended, EndReason::GoalReached);
-  } else if (press.opened < kLeastOpen) {  // it went back
-    process(Event::GaveUp, EndReason::Stalled);
   }
   return phase != Phase::Choose;
+}
+
+// The flap that was let go, as it is believed to stand.
+HandleBelief Mission::Impl::half_open() const noexcept {
+  HandleBelief belief = closed_handle;
+  belief.press = flap;
+  return belief;
 }
 
 // Waits until a leaf that comes down by itself has come to rest, and believes in it where it is seen.
@@ -197,9 +210,7 @@ bool Mission::Impl::flap_rests(const RobotState& state) noexcept {
   press.opened = opened;
   flap = press;
   if (rests) {
-    HandleBelief belief = closed_handle;
-    belief.press = press;
-    opener.scene().reset(belief);
+    opener.scene().reset(half_open());
   }
   return rests;
 }
@@ -212,7 +223,9 @@ void Mission::Impl::look_at_result(const RobotState& state) noexcept {
   if (!level || std::abs(handle.bar.z()) > kLevelAxis) return;
   SightAverage now;
   now.add(state.handle, state.base);
-  record.estimate.angle = seen_opening(FlapPress{.way = way}, now.belief().normal);
+  const double opened = seen_opening(FlapPress{.way = way}, now.belief().normal);
+  went_back = went_back || opened < record.estimate.angle - kFell;
+  record.estimate.angle = opened;
 }
 
 // A leaf that moves by itself is no landmark.
@@ -227,12 +240,24 @@ bool Mission::Impl::flap_moved() noexcept {
   return moved;
 }
 
+// A flap that comes down by itself weighs more the farther it is down: what holds it before it lies level is its stop. That
+// is not felt, and said only where no hand gets to it.
+bool Mission::Impl::at_its_stop() noexcept {
+  if (!handle.press || !flap) return false;
+  const double opened = flap->opened;
+  fell = opened > let_go_at + kFell && opened > config.goal.opening_angle - kNearlyOpen;
+  if (fell) process(Event::Ended, EndReason::StopFelt);
+  return fell;
+}
+
 // Down until the fingers stand on the leaf.
 void Mission::Impl::press_down(const RobotState& state) noexcept {
   command.gripper_closed = true;
   Pose below = chosen.hand;
   below.translation() += kSearch * below.linear().col(2);
-  const double left = move_hand(below, kFeelSpeed);
+  const double above = chosen.hand.linear().col(2).dot(chosen.hand.translation() - ahead.kinematics.X_WE.translation());
+  const double slow = kFaceBlow / (kFaceStiffness * (config.period + config.dead_time + kReaction));
+  const double left = move_hand(below, above > kNearFace ? kFeelSpeed : std::min(kFeelSpeed, slow));
   const bool met = record.wrench.force.norm() > kTouch;
   if (!met && left > kMetAt && time_in_phase < kSearchTime) return;
   // A leaf that moves more easily than can be felt has gone along.

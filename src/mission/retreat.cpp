@@ -12,7 +12,33 @@ constexpr double kRetreatSpeed = 0.15;  // [m/s]
 constexpr double kRetreatGap = 0.06;    // nearer than this to wall or leaf the base stays [m]
 constexpr double kRetreatTime = 5.0;    // [s]
 
+// Straighter away from the wall than this the base takes the hand along [cos].
+constexpr double kAlongHeading = 0.5;
+constexpr double kSlipping = 5e-3;  // of a hand that should stand [m/s]
+
 }  // namespace
+
+// A flap may come down as soon as nothing holds it: the base gathers speed before the fingers open, while the arm keeps the
+// hand where it is. (docs/equations.md#way-out)
+void Mission::Impl::start_run_up() noexcept {
+  const double yaw = ahead.robot.base.yaw;
+  const double away = Vector3d(std::cos(yaw), std::sin(yaw), 0.0).dot(opener.scene().normal());
+  run_up = std::abs(away) > kAlongHeading ? std::copysign(config.wbc.base_reverse, away) : 0.0;
+}
+
+// Over once the base is as fast as it should be, or the arm cannot keep the hand where it is any longer.
+bool Mission::Impl::runs_up() const noexcept {
+  if (run_up == 0.0) return false;
+  return time_in_phase < std::abs(run_up) / config.wbc.base_acceleration && record.solution.residual < kSlipping;
+}
+
+// Straight off, until the base can turn beside the flap that it let go. True once it can.
+bool Mission::Impl::off_flap(const KeepOut& beside, const RobotState& state) noexcept {
+  const double way = way_off_flap(state.base, beside);
+  if (way == 0.0) return true;
+  command_base({std::copysign(std::min(kRetreatSpeed, config.wbc.base_acceleration * time_in_phase), way), 0.0});
+  return false;
+}
 
 void Mission::Impl::retreat(const RobotState& state) noexcept {
   look_at_result(state);

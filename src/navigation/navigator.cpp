@@ -41,6 +41,8 @@ constexpr double kPredictionStep = 0.05;
 constexpr double kPredictionTime = 60.0;
 // What a turn on the spot must save to be preferred: smooth paths disturb odometry and load less [s].
 constexpr double kTurnPrice = 2.0;
+// More than any time: what a route costs that goes where it must not [s].
+constexpr double kForbidden = 1e3;
 // A path may bend to this radius without being charged [1/m].
 constexpr double kEasyCurvature = 3.0;
 // A way round by a point this far in front of the keep-out border leaves room to turn on the spot
@@ -61,16 +63,6 @@ double along(const BasePose& base, const BasePose& goal, double yaw) {
 }
 
 }  // namespace
-
-double footprint_clearance(const BasePose& base, const KeepOut& keep_out) noexcept {
-  const double c = std::cos(base.yaw);
-  const double s = std::sin(base.yaw);
-  const Vector2d n = keep_out.normal;
-  const double centre = (base.x - keep_out.point.x()) * n.x() + (base.y - keep_out.point.y()) * n.y();
-  const double lengthwise = c * n.x() + s * n.y();
-  const double sideways = std::abs(-s * n.x() + c * n.y()) * keep_out.half_width;
-  return centre + std::min(lengthwise * keep_out.front, -lengthwise * keep_out.rear) - sideways;
-}
 
 Navigator::Navigator(const NavigationConfig& config, double period)
     : config_(config), polar_(config.law != "graceful"), period_(period) {
@@ -247,33 +239,46 @@ BaseTwist Navigator::wanted(const State& state, const BasePose& base) const noex
   return {};
 }
 
+/// Straight from one place to another, turning at both ends.
+Navigator::Leg Navigator::straight(const BasePose& from, const BasePose& to, bool forward) noexcept {
+  const double sight = std::atan2(to.y - from.y, to.x - from.x);
+  return {{to.x, to.y, wrap_angle(forward ? sight : sight + std::numbers::pi)}, forward, true};
+}
+
 Navigator::Prediction Navigator::predict(State state, BasePose base, const KeepOut* keep_out) const noexcept {
   // Slower than this the base turns rather than drives: ω/v is no path curvature [m/s].
   constexpr double kDriving = 0.03;
   Prediction out;
-  out.clearance = std::numeric_limits<double>::infinity();
+  out.clearance = out.box = std::numeric_limits<double>::infinity();
   while (out.time < kPredictionTime && state.stage != Stage::Arrived) {
     const BaseTwist twist = advance(state, base, kPredictionStep);
     base = integrate_base(base, twist.v, twist.w, kPredictionStep);
     if (std::abs(twist.v) > kDriving) out.curvature = std::max(out.curvature, std::abs(twist.w / twist.v));
-    if (keep_out != nullptr) out.clearance = std::min(out.clearance, footprint_clearance(base, *keep_out));
+    if (keep_out != nullptr) {
+      out.clearance = std::min(out.clearance, footprint_clearance(base, *keep_out));
+      out.box = std::min(out.box, box_clearance(base, *keep_out));
+    }
     out.time += kPredictionStep;
   }
   out.arrives = state.stage == Stage::Arrived;
   return out;
 }
 
-// Cost = predicted time + prices; entering the keep-out half-plane deeper than start and target do costs more than any time.
+// Cost = predicted time + prices; entering what is kept out of deeper than start and target do costs more than any time.
 void Navigator::consider(State candidate, const BasePose& base, const KeepOut* keep_out) noexcept {
   const Prediction p = predict(candidate, base, keep_out);
   double cost = p.time + (p.arrives ? 0.0 : 1e4) + std::max(0.0, p.curvature - kEasyCurvature);
   for (int i = 0; i < candidate.leg_count; ++i)
     cost += candidate.legs[static_cast<std::size_t>(i)].turn_first ? kTurnPrice : 0.0;
   if (keep_out != nullptr) {
-    const double own = std::min(footprint_clearance(base, *keep_out), footprint_clearance(candidate.target, *keep_out));
-    // 1 cm: path following is not exact.
-    const double intrusion = std::min(keep_out->margin, own - 0.01) - p.clearance;
-    if (intrusion > 0.0) cost += 1e3 * (1.0 + intrusion);
+    const auto price = [&](double at_start, double at_target, double on_the_way) {
+      // 1 cm: path following is not exact.
+      const double intrusion = std::min(keep_out->margin, std::min(at_start, at_target) - 0.01) - on_the_way;
+      return intrusion > 0.0 ? kForbidden * (1.0 + intrusion) : 0.0;
+    };
+    const BasePose& target = candidate.target;
+    cost += price(footprint_clearance(base, *keep_out), footprint_clearance(target, *keep_out), p.clearance) +
+            price(box_clearance(base, *keep_out), box_clearance(target, *keep_out), p.box);
   }
   if (cost < best_cost_) {
     best_cost_ = cost;
@@ -302,10 +307,6 @@ void Navigator::set_target(const BasePose& base, const BasePose& target, const K
     consider(fresh, base, keep_out);
     return;
   }
-  const auto straight = [](const BasePose& from, const BasePose& to, bool forward) {
-    const double sight = std::atan2(to.y - from.y, to.x - from.x);
-    return Leg{{to.x, to.y, wrap_angle(forward ? sight : sight + std::numbers::pi)}, forward, true};
-  };
   for (const bool forward : {true, false}) {
     for (const bool turn_first : {false, true}) {
       fresh.legs[0] = {target, forward, turn_first};
@@ -314,19 +315,36 @@ void Navigator::set_target(const BasePose& base, const BasePose& target, const K
     fresh.legs[0] = straight(base, target, forward);
     consider(fresh, base, keep_out);
   }
-  if (keep_out == nullptr || best_cost_ < 1e3) return;
-  const Vector2d offset = Vector2d(target.x, target.y) - keep_out->point;
-  const Vector2d free =
-      Vector2d(target.x, target.y) + std::max(0.0, kViaDistance - offset.dot(keep_out->normal)) * keep_out->normal;
-  const BasePose via{free.x(), free.y(), target.yaw};
+  if (keep_out == nullptr || best_cost_ < kForbidden) return;
+  consider_by_way(fresh, base, *keep_out);
+}
+
+// By way of a point in the free, or of one on the target's own line where the base can turn, so that it comes in straight.
+void Navigator::consider_by_way(State fresh, const BasePose& base, const KeepOut& keep_out) noexcept {
+  const BasePose target = fresh.target;
   fresh.leg_count = 2;
+  const Vector2d offset = Vector2d(target.x, target.y) - keep_out.point;
+  const Vector2d free =
+      Vector2d(target.x, target.y) + std::max(0.0, kViaDistance - offset.dot(keep_out.normal)) * keep_out.normal;
+  const BasePose via{free.x(), free.y(), target.yaw};
   for (const bool first : {true, false}) {
     fresh.legs[0] = straight(base, via, first);
     for (const bool second : {true, false}) {
       fresh.legs[1] = straight(via, target, second);
-      consider(fresh, base, keep_out);
+      consider(fresh, base, &keep_out);
       fresh.legs[1] = {target, second, true};
-      consider(fresh, base, keep_out);
+      consider(fresh, base, &keep_out);
+    }
+  }
+  if (!keep_out.box) return;
+  for (const double sense : {1.0, -1.0}) {
+    const double way = way_to_turn(target, keep_out, sense);
+    if (!std::isfinite(way)) continue;
+    const BasePose turn = integrate_base(target, sense * way, 0.0, 1.0);
+    fresh.legs[1] = {target, sense < 0.0, true};
+    for (const bool first : {true, false}) {
+      fresh.legs[0] = straight(base, turn, first);
+      consider(fresh, base, &keep_out);
     }
   }
 }

@@ -69,7 +69,7 @@ MechanismHypothesis pressed(const HandleBelief& belief, const FlapPress& press, 
   out.name = "flap pressed down";
   out.direction = axis.cross(arm).normalized();
   out.curvature = axis / arm.norm();
-  out.travel = std::max(kLeastAngle, angle + kBeyond - press.opened) * arm.norm();
+  out.travel = std::max(kBeyond, angle + kBeyond - press.opened) * arm.norm();
   out.free_axis = axis;
   out.hand_stays = true;
   return out;

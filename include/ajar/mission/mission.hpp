@@ -26,7 +26,7 @@ enum class Phase { Choose, Approach, Reach, Zero, Grasp, Probe, Open, Regrasp, R
 enum class EndReason {
   Running,
   GoalReached,  ///< The wanted opening by the robot's own estimate
-  StopFelt,     ///< An end stop after enough travel
+  StopFelt,     ///< An end stop after enough travel; or a flap that came down by itself as far as it goes
   HandleUnseen,
   NothingToGrip,
   Unreachable,

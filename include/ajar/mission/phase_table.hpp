@@ -41,14 +41,14 @@ inline constexpr std::array kTransitions = {
     Transition{Phase::Choose, Event::Ended, Phase::Retreat},    Transition{Phase::Approach, Event::Arrived, Phase::Reach},
     Transition{Phase::Approach, Event::GaveUp, Phase::Stopped}, Transition{Phase::Reach, Event::NextPose, Phase::Approach},
     Transition{Phase::Reach, Event::AtHandle, Phase::Zero},     Transition{Phase::Reach, Event::GaveUp, Phase::Stopped},
-    Transition{Phase::Zero, Event::Zeroed, Phase::Grasp},       Transition{Phase::Grasp, Event::Held, Phase::Open},
-    Transition{Phase::Grasp, Event::HeldBlind, Phase::Probe},   Transition{Phase::Grasp, Event::Missed, Phase::Reach},
-    Transition{Phase::Grasp, Event::GaveUp, Phase::Release},    Transition{Phase::Probe, Event::Found, Phase::Open},
-    Transition{Phase::Probe, Event::Ended, Phase::Release},     Transition{Phase::Open, Event::Blocked, Phase::Probe},
-    Transition{Phase::Open, Event::Ended, Phase::Release},      Transition{Phase::Open, Event::Rechoose, Phase::Regrasp},
-    Transition{Phase::Regrasp, Event::Clear, Phase::Choose},    Transition{Phase::Regrasp, Event::GaveUp, Phase::Stopped},
-    Transition{Phase::Release, Event::Clear, Phase::Retreat},   Transition{Phase::Release, Event::Holding, Phase::Done},
-    Transition{Phase::Retreat, Event::Away, Phase::Done},
+    Transition{Phase::Reach, Event::Ended, Phase::Retreat},     Transition{Phase::Zero, Event::Zeroed, Phase::Grasp},
+    Transition{Phase::Grasp, Event::Held, Phase::Open},         Transition{Phase::Grasp, Event::HeldBlind, Phase::Probe},
+    Transition{Phase::Grasp, Event::Missed, Phase::Reach},      Transition{Phase::Grasp, Event::GaveUp, Phase::Release},
+    Transition{Phase::Probe, Event::Found, Phase::Open},        Transition{Phase::Probe, Event::Ended, Phase::Release},
+    Transition{Phase::Open, Event::Blocked, Phase::Probe},      Transition{Phase::Open, Event::Ended, Phase::Release},
+    Transition{Phase::Open, Event::Rechoose, Phase::Regrasp},   Transition{Phase::Regrasp, Event::Clear, Phase::Choose},
+    Transition{Phase::Regrasp, Event::GaveUp, Phase::Stopped},  Transition{Phase::Release, Event::Clear, Phase::Retreat},
+    Transition{Phase::Release, Event::Holding, Phase::Done},    Transition{Phase::Retreat, Event::Away, Phase::Done},
 };
 
 /// The phase that follows. No exception.

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <string>
 
 #include "ajar/model/robot_model.hpp"
@@ -40,7 +41,15 @@ struct NavigationConfig {
 [[nodiscard]] BaseTwist graceful_law(const BasePose& base, const BasePose& target, bool forward,
                                      const NavigationConfig& config) noexcept;
 
-/// A half-plane that the base must not enter, such as the wall round a door, and the base's footprint.
+/// A rectangle on the floor.
+struct FloorBox {
+  Vector2d centre = Vector2d::Zero();               ///< Odometry frame [m]
+  Vector2d along = Vector2d::UnitX();               ///< Direction of its first side, unit [-]
+  Vector2d half_extents = Vector2d::Constant(0.5);  ///< Along and across [m]
+};
+
+/// What the base must not enter: a half-plane such as the wall round a door, and what stands in front of it; with the base's
+/// footprint.
 struct KeepOut {
   Vector2d point = Vector2d::Zero();     ///< On the border, odometry frame [m]
   Vector2d normal = -Vector2d::UnitY();  ///< From the border into free space, unit [-]
@@ -48,13 +57,23 @@ struct KeepOut {
   double front = 0.487;                  ///< Footprint ahead of the axle (Heron's MiR, body shape of its URDF) [m]
   double rear = 0.411;                   ///< Behind the axle [m]
   double half_width = 0.292;             ///< To each side [m]
+  std::optional<FloorBox> box;           ///< Kept out of as well
 };
 
 /// Smallest distance of the footprint's corners to the border, negative inside. [m]
 [[nodiscard]] double footprint_clearance(const BasePose& base, const KeepOut& keep_out) noexcept;
 
-/// Drives to a pose: the quickest of several routes (forward, backward, turning first, by way of a point in the free) is
-/// chosen once by prediction and kept, limits scale v and ω together, a terminal switch handles the singular point.
+/// Distance of the footprint to the box along the best of the four sides' directions: never more than the true one, negative
+/// by what they overlap. Infinite without a box. [m]
+[[nodiscard]] double box_clearance(const BasePose& base, const KeepOut& keep_out) noexcept;
+
+/// How far a base drives straight on until it can turn on the spot with the margin to border and box.
+/// @param sense  1 forward, -1 backward
+/// @return Positive or 0; infinite if two metres do not get it there [m]
+[[nodiscard]] double way_to_turn(const BasePose& base, const KeepOut& keep_out, double sense) noexcept;
+
+/// Drives to a pose: the quickest of several routes (forward, backward, turning first, by way of a point where it can turn)
+/// is chosen once by prediction and kept, limits scale v and ω together, a terminal switch handles the singular point.
 /// (docs/equations.md#navigation)
 class Navigator {
  public:
@@ -91,7 +110,8 @@ class Navigator {
   struct Prediction {
     double time = 0.0;
     double curvature = 0.0;
-    double clearance = 0.0;
+    double clearance = 0.0;  // to the border [m]
+    double box = 0.0;        // to the box [m]
     bool arrives = false;
   };
 
@@ -104,8 +124,10 @@ class Navigator {
   [[nodiscard]] BaseTwist drive(const Leg& leg, const BasePose& base) const noexcept;
   [[nodiscard]] bool inside_tolerance(const State& state, const BasePose& base) const noexcept;
   void correct(State& state, const BasePose& base) const noexcept;
+  [[nodiscard]] static Leg straight(const BasePose& from, const BasePose& to, bool forward) noexcept;
   [[nodiscard]] Prediction predict(State state, BasePose base, const KeepOut* keep_out) const noexcept;
   void consider(State candidate, const BasePose& base, const KeepOut* keep_out) noexcept;
+  void consider_by_way(State fresh, const BasePose& base, const KeepOut& keep_out) noexcept;
 
   NavigationConfig config_;
   bool polar_;

@@ -1,0 +1,73 @@
+// Strategy: the outline on the floor against the corners of the believed leaf; the way off against the turns that the base
+// could not make where it stood and can make where it gets to.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "ajar/planning/believed_scene.hpp"
+#include "ajar/planning/flap_room.hpp"
+#include "ajar/planning/hypotheses.hpp"
+
+namespace ajar {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+// A flap of 0.4 m, hung at 0.3 m, in a wall that looks to -y turned by `turn`.
+HandleBelief flap(double turn, double opened) {
+  const Matrix3d R = Eigen::AngleAxisd(turn, Vector3d::UnitZ()).toRotationMatrix();
+  const FeltMechanism way{.direction = R * -Vector3d::UnitY(), .curvature = R * Vector3d::UnitX() / 0.4};
+  HandleBelief belief;
+  belief.position = Vector3d(1.0, 2.0, 0.7);
+  belief.normal = way.direction;
+  belief.bar = R * Vector3d::UnitX();
+  belief.press = make_press(way, belief.position, opened);
+  return belief;
+}
+
+TEST(FlapRoom, TheFloorBeneathAFlapIsWhereItsCornersStandAbove) {
+  for (const double turn : {0.0, 0.7, -2.5}) {
+    for (const double opened : {0.1, 0.8, 1.5}) {
+      const HandleBelief belief = flap(turn, opened);
+      const FloorBox floor = *beside_flap(belief, opened).box;
+      const Box leaf = leaf_pressed(belief, *belief.press, opened);
+      Vector2d most = Vector2d::Zero();
+      for (int corner = 0; corner < 8; ++corner) {
+        const Vector3d signs(corner & 1 ? 1.0 : -1.0, corner & 2 ? 1.0 : -1.0, corner & 4 ? 1.0 : -1.0);
+        const Vector3d p = leaf.pose * leaf.half_extents.cwiseProduct(signs);
+        const Vector2d from = p.head<2>() - floor.centre;
+        const Vector2d across(-floor.along.y(), floor.along.x());
+        most = most.cwiseMax(Vector2d(std::abs(from.dot(floor.along)), std::abs(from.dot(across))));
+      }
+      EXPECT_LT((most - floor.half_extents).norm(), 1e-12) << turn << ", " << opened;
+    }
+  }
+}
+
+TEST(FlapRoom, TheWayOffLeadsAwayFromTheWallToWhereTheBaseTurns) {
+  for (const double turn : {0.0, 1.1}) {
+    const HandleBelief belief = flap(turn, 1.5);
+    const KeepOut beside = beside_flap(belief, 0.5 * kPi);
+    for (const double heading : {0.0, 0.6, 1.5, 2.2, 3.0, -1.0, -2.6}) {
+      const Vector2d p = belief.position.head<2>() + 0.95 * beside.normal;
+      const BasePose base{p.x(), p.y(), heading};
+      const auto swings_clear = [&](const BasePose& at) {
+        BasePose there = at;
+        double gap = 1e9;
+        for (there.yaw = -kPi; there.yaw < kPi; there.yaw += 0.01) gap = std::min(gap, box_clearance(there, beside));
+        return gap > 0.05;
+      };
+      const double way = way_off_flap(base, beside);
+      EXPECT_FALSE(swings_clear(base));
+      EXPECT_GE(way * Vector2d(std::cos(heading), std::sin(heading)).dot(beside.normal), 0.0) << heading;
+      EXPECT_TRUE(swings_clear(integrate_base(base, way, 0.0, 1.0))) << heading;
+    }
+    const Vector2d far = belief.position.head<2>() + 2.0 * beside.normal;
+    EXPECT_EQ(way_off_flap({far.x(), far.y(), 0.3}, beside), 0.0);
+  }
+}
+
+}  // namespace
+}  // namespace ajar
