@@ -89,7 +89,9 @@ void predict_path(PathState& state, double ds, const PathBin& bin, const PoseNoi
   const Vector3d kl = local_curvature(state.kap);
   P.bottomRightCorner<3, 3>() += cp2 * fresh * kl * kl.transpose();
   if (bin.base_travel > 0.0) add_walk(state, bin.base_travel, noise);
-  P = (0.5 * (P + P.transpose())).eval();
+  for (Eigen::Index j = 0; j < P.cols(); ++j) {
+    for (Eigen::Index i = 0; i < j; ++i) P(i, j) = P(j, i) = 0.5 * (P(i, j) + P(j, i));
+  }
 
   state.error *= ro;
   move_along(state, ds);

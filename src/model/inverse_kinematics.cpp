@@ -152,7 +152,8 @@ double arm_sigma_min(const Kinematics& kinematics, double length, SigmaTrack& tr
     return 0.0;
   }
   const GramFactor A = scaled_arm(kinematics, length, n);
-  Matrix6d product = A.lazyProduct(A.transpose());
+  Matrix6d product = Matrix6d::Zero();  // lower triangle
+  product.triangularView<Eigen::Lower>() = A.lazyProduct(A.transpose());
   if (n < 6) {
     product.diagonal().tail(6 - n).setConstant(product.trace() + 1.0);  // rows that do not exist
   }
