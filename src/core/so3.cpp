@@ -30,10 +30,13 @@ Matrix3d hat(const Vector3d& w) {
   return H;
 }
 
+// hat(w)² = w wᵀ - |w|² I.
 Matrix3d exp_so3(const Vector3d& w) {
-  const auto [a, b, c] = coefficients(w.squaredNorm());
-  const Matrix3d H = hat(w);
-  return Matrix3d::Identity() + a * H + b * H * H;
+  const double t2 = w.squaredNorm();
+  const auto [a, b, c] = coefficients(t2);
+  Matrix3d R = b * w * w.transpose() + a * hat(w);
+  R.diagonal().array() += 1.0 - b * t2;
+  return R;
 }
 
 Vector3d log_so3(const Matrix3d& R) {

@@ -72,9 +72,9 @@ void predict_path(PathState& state, double ds, const PathBin& bin, const PoseNoi
 
   // P ← T P Tᵀ with T = [T6 | φ], ro on the correlated errors.
   Eigen::Matrix<double, 9, 14> X;
-  X.noalias() = T.leftCols<6>() * P.topRows<6>();
+  X.noalias() = T.leftCols<6>().lazyProduct(P.topRows<6>());
   X.bottomRows<3>() += P.middleRows<3>(6);
-  P.topLeftCorner<9, 9>().noalias() = X.leftCols<6>() * T.leftCols<6>().transpose();
+  P.topLeftCorner<9, 9>().noalias() = X.leftCols<6>().lazyProduct(T.leftCols<6>().transpose());
   P.block<9, 3>(0, 6) += X.middleCols<3>(6);
   P.topRightCorner<9, 5>() = ro * X.rightCols<5>();
   P.bottomLeftCorner<5, 9>() = P.topRightCorner<9, 5>().transpose();

@@ -128,7 +128,9 @@ Command Mission::Impl::step(const RobotState& measured) noexcept {
     predictor.refresh(state);
     model.compute(state.base, state.q, record.kinematics);
     record.wrench = wrench.hand_wrench(state, record.kinematics);
-    record.solution.sigma_min = arm_sigma_min(record.kinematics, config.wbc.length, sigma_track);
+    if (phase != Phase::Open) {  // there the controller says it
+      record.solution.sigma_min = arm_sigma_min(record.kinematics, config.wbc.length, sigma_track);
+    }
     if (!too_much(state) && !base_blocked(state)) {
       time_in_phase += config.period;
       ahead.robot = predictor.predict(state);

@@ -35,6 +35,16 @@ void set_bounds(InputBounds& bounds, int i, double last, Step step, const Bound&
   bounds.upper_limit[static_cast<size_t>(i)] = bounds.upper[i] < high.rate ? step_limit : high.limit;
 }
 
+// min(V, stopping rate). d/(nT) + A T (n - 1)/2 is at least √(2 A d) - A T/2 for every n: far from the limit V is the
+// answer.
+double stopping_rate_below(double top, double distance, double deceleration, double period) {
+  const double reach = top + 0.5 * deceleration * period;
+  if (2.0 * deceleration * distance > reach * reach) {
+    return top;
+  }
+  return std::min(top, stopping_rate(distance, deceleration, period));
+}
+
 double brake_step(double last, double step) { return last - std::clamp(last, -step, step); }
 
 // The base bounds must leave at least one pair (ω, v) that the wheels can turn: acceleration yields.
@@ -112,14 +122,12 @@ InputBounds input_bounds(const InputLimits& limits, const JointVector& q, const 
   bounds.upper = InputVector::Zero(n + 2);
   for (int i = 0; i < n; ++i) {
     const double A = limits.acceleration[i];
-    const double up = stopping_rate(limits.position_upper[i] - q[i], A, limits.period);
-    const double down = stopping_rate(q[i] - limits.position_lower[i], A, limits.period);
+    const double up = stopping_rate_below(limits.speed_upper[i], limits.position_upper[i] - q[i], A, limits.period);
+    const double down = stopping_rate_below(-limits.speed_lower[i], q[i] - limits.position_lower[i], A, limits.period);
     const bool near_upper = up < limits.speed_upper[i];
     const bool near_lower = -down > limits.speed_lower[i];
-    const Bound low{std::max(limits.speed_lower[i], -down),
-                    near_lower ? BindingLimit::JointPosition : BindingLimit::JointRate};
-    const Bound high{std::min(limits.speed_upper[i], up),
-                     near_upper ? BindingLimit::JointPosition : BindingLimit::JointRate};
+    const Bound low{-down, near_lower ? BindingLimit::JointPosition : BindingLimit::JointRate};
+    const Bound high{up, near_upper ? BindingLimit::JointPosition : BindingLimit::JointRate};
     const double step = A * limits.period;
     set_bounds(bounds, i, last[i], {step, step}, low, high, BindingLimit::JointAcceleration);
   }

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <random>
 
 namespace ajar {
@@ -65,8 +66,8 @@ TEST(InputBounds, AreNeverEmptyAndKeepRateAndPosition) {
     EXPECT_LE((bounds.upper - limits.speed_upper).maxCoeff(), 0.0);
     EXPECT_GE((bounds.lower - limits.speed_lower).minCoeff(), 0.0);
     for (int i = 0; i < 2; ++i) {
-      EXPECT_LE(bounds.upper[i], stopping_rate(1.0 - q[i], 8.0, limits.period));
-      EXPECT_GE(bounds.lower[i], -stopping_rate(q[i] + 1.0, 8.0, limits.period));
+      EXPECT_EQ(bounds.rate_upper[i], std::min(1.0, stopping_rate(1.0 - q[i], 8.0, limits.period)));
+      EXPECT_EQ(bounds.rate_lower[i], -std::min(1.0, stopping_rate(q[i] + 1.0, 8.0, limits.period)));
     }
     // Some pair of the base is within the wheels' reach.
     const double w = std::clamp(0.0, bounds.lower[2], bounds.upper[2]);

@@ -171,7 +171,7 @@ struct Sought {
 };
 
 Sought seek_longest(double hand_weight, double slack_weight) {
-  std::mt19937 generator(5);
+  std::mt19937 generator(6);  // finds rows that depend on a bound to round-off
   TaskQp solver;
   QpSolution solution;
   Sought seen;

@@ -53,10 +53,11 @@ enum class QpStatus {
   Invalid   ///< A number is not finite, or the start breaks a limit: x must not be used
 };
 
-/// Strictly convex QP with a diagonal cost and a few task rows, by a primal active-set method in the space of the rows.
+/// Strictly convex QP with a diagonal cost and a few task rows, by active-set methods in the space of the rows.
 ///
 /// Begins with the limits that were active in the last call: while they stay the same, one factorisation of six or seven
-/// rows is the whole work. Every iterate meets the limits. (docs/equations.md#qp)
+/// rows is the whole work. Otherwise the guess is repaired; where that does not end soon, a primal method takes over, whose
+/// every iterate meets the limits. (docs/equations.md#qp)
 class TaskQp {
  public:
   /// Forgets the limits that were active in the last call; the next result no longer depends on them to round-off.
@@ -68,8 +69,19 @@ class TaskQp {
   static constexpr int kEquations = kQpTasks + kQpVariables;
   enum class Side : signed char { Free, Lower, Upper, Fixed };
   using EquationVector = Eigen::Matrix<double, kEquations, 1>;
+  // Where the minimum on the active limits fails the optimality conditions.
+  struct Wrong {
+    std::array<Side, kQpVariables> sides;  // where the variables should be
+    double tolerance = 0.0;                // of multipliers
+    int count = 0;
+    int variable = -1;  // that breaks its limit by most of its range
+    int row = -1;       // of C, broken most
+  };
 
   void guess(const QpProblem& problem) noexcept;
+  [[nodiscard]] bool repair(const QpProblem& problem, int& repairs) noexcept;
+  [[nodiscard]] Wrong find_wrong(const QpProblem& problem) const noexcept;
+  void change_limits(const QpProblem& problem, const Wrong& wrong, bool all) noexcept;
   void minimise(const QpProblem& problem) noexcept;
   void gather(const QpProblem& problem) noexcept;
   void drop(const QpProblem& problem, int place) noexcept;
@@ -79,6 +91,8 @@ class TaskQp {
   [[nodiscard]] bool advance(const QpProblem& problem) noexcept;
   [[nodiscard]] bool release(const QpProblem& problem) noexcept;
   [[nodiscard]] bool is_active(int row) const noexcept;
+  [[nodiscard]] double sign_tolerance() const noexcept;
+  [[nodiscard]] double force(const QpProblem& problem, int i) const noexcept;
   [[nodiscard]] bool is_feasible(const QpProblem& problem, const QpVector& x) const noexcept;
   void report(const QpProblem& problem, QpSolution& out) const noexcept;
 
@@ -95,6 +109,7 @@ class TaskQp {
   Eigen::Matrix<double, kEquations, kQpVariables, Eigen::RowMajor> E_ =
       Eigen::Matrix<double, kEquations, kQpVariables, Eigen::RowMajor>::Zero();
   EquationVector e_ = EquationVector::Zero();
+  EquationVector inverse_pivot_ = EquationVector::Zero();  // P⁻¹
   Eigen::Matrix<double, kEquations, kEquations, Eigen::RowMajor> L_ =
       Eigen::Matrix<double, kEquations, kEquations, Eigen::RowMajor>::Zero();
 };
