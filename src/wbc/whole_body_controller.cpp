@@ -6,6 +6,7 @@
 
 #include "ajar/wbc/input_limits.hpp"
 #include "ajar/wbc/task_qp.hpp"
+#include "arm_reserve.hpp"
 
 namespace ajar {
 namespace {
@@ -89,7 +90,7 @@ double braking_need(const WbcProblem& problem) {
 
 struct WholeBodyController::Impl {
   Impl(const RobotModel& model, const WbcConfig& wbc, double period)
-      : config(wbc), limits(make_input_limits(model, wbc, period)), n(limits.joints) {
+      : config(wbc), limits(make_input_limits(model, wbc, period)), n(limits.joints), reserve(limits, wbc) {
     last = plan = InputVector::Zero(n + 2);
     inverse_square_limit = limits.speed_upper.head(n).cwiseMax(1e-3).array().square().inverse();
     qp.weight[n + 1] = config.base_speed_weight;
@@ -102,6 +103,7 @@ struct WholeBodyController::Impl {
   WbcConfig config;
   InputLimits limits;
   int n;
+  ArmReserve reserve;
   JointVector inverse_square_limit;
   InputVector last;
   InputVector plan;  // last plan: the base's command, and the joint rates that suit it
@@ -172,6 +174,7 @@ void WholeBodyController::Impl::build_cost(const WbcProblem& problem, double sig
 void WholeBodyController::Impl::build_bounds(const WbcProblem& problem) {
   const InputVector& before = problem.base_motion ? plan : last;
   bounds = input_bounds(limits, *problem.q, before, problem.base_fixed, braking_need(problem));
+  if (!problem.base_fixed && limits.base_moves) reserve.bound_base(qp, *problem.q, before, bounds);
   qp.lower.head(n + 2) = bounds.lower;
   qp.upper.head(n + 2) = bounds.upper;
   qp.upper[kSlack] = 0.0;
@@ -341,6 +344,7 @@ void WholeBodyController::reset(const InputVector& last_command) noexcept {
   impl_->plan = impl_->last;
   impl_->solver.forget();
   impl_->arm_solver.forget();
+  impl_->reserve.forget();
   impl_->sigma_track = {};
 }
 

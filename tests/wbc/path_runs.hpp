@@ -83,10 +83,9 @@ inline bool find_posture(const RobotModel& model, double height, JointVector& q)
 }
 
 inline PathRun follow(const RobotModel& model, BasePose base, JointVector q, const HandPath& path, double speed,
-                      const BaseLawConfig& law = {}) {
+                      const BaseLawConfig& law = {}, const WbcConfig& config = exact_config()) {
   constexpr double kDt = 0.002;
   const int n = model.joints();
-  const WbcConfig config = exact_config();
   const InputLimits limits = make_input_limits(model, config, kDt);
   WholeBodyController wbc(model, config, kDt);
   BaseLaw base_law(law);

@@ -36,9 +36,10 @@ struct Tally {
     worst.limit_excess = std::max(worst.limit_excess, run.limit_excess);
     worst.invalid = worst.invalid || run.invalid;
   }
-  void expect_exact() const {
-    EXPECT_LT(worst.path_error, kMillimetre);
-    EXPECT_LT(worst.turn_error, kFifthDegree);
+  void expect_exact() const { expect_within(kMillimetre, kFifthDegree); }
+  void expect_within(double path_error, double turn_error) const {
+    EXPECT_LT(worst.path_error, path_error);
+    EXPECT_LT(worst.turn_error, turn_error);
     EXPECT_LE(worst.limit_excess, 1e-9);
     EXPECT_FALSE(worst.invalid);
     std::printf("%d runs, %d arrived, path error %.4f mm, rotation %.4f mrad, time over ideal: mean %.4f, worst %.3f\n",
@@ -92,7 +93,15 @@ fs::path example_urdf(const std::string& inside) {
 
 enum class Start { Home, Ahead };
 
-void run_other_robot(const std::string& inside, const std::string& toml, Start start, double length) {
+// What is asked of the runs of one robot.
+struct Demand {
+  double path_error = kMillimetre;
+  double turn_error = kFifthDegree;
+  double arrived = 0.75;
+};
+
+void run_other_robot(const std::string& inside, const std::string& toml, Start start, double length,
+                     const WbcConfig& config = test::exact_config(), const Demand& demand = {}) {
   const fs::path urdf = example_urdf(inside);
   if (urdf.empty()) {
     GTEST_SKIP() << "the wheel example-robot-data is not installed in .deps/venv";
@@ -108,11 +117,11 @@ void run_other_robot(const std::string& inside, const std::string& toml, Start s
     const Vector3d x(std::cos(a), std::sin(a), 0.0);
     for (const double k : {0.0, -2.0, 2.0}) {
       const HandPath path{x, k * Vector3d::UnitZ(), length};
-      tally.add(follow(model, {}, q, path, 0.05), path);
+      tally.add(follow(model, {}, q, path, 0.05, {}, config), path);
     }
   }
-  tally.expect_exact();
-  EXPECT_GE(tally.arrived, tally.runs * 3 / 4);
+  tally.expect_within(demand.path_error, demand.turn_error);
+  EXPECT_GE(tally.arrived, demand.arrived * tally.runs);
 }
 
 TEST(WholeBodyPaths, PandaOnTheFloorFollowsBySevenJointsAlone) {
@@ -121,6 +130,15 @@ TEST(WholeBodyPaths, PandaOnTheFloorFollowsBySevenJointsAlone) {
 
 TEST(WholeBodyPaths, TiagoFollowsByBaseTorsoAndSevenJoints) {
   run_other_robot("tiago_description/robots/tiago.urdf", "tiago.toml", Start::Ahead, 0.3);
+}
+
+// Without a reserve of the arm the base comes too fast to where a joint ends: 21 mm and 85 mrad.
+TEST(WholeBodyPaths, SluggishBaseBrakesBeforeTheArmIsAtItsLimits) {
+  WbcConfig config = test::exact_config();
+  config.base_acceleration = 0.2;
+  config.base_yaw_acceleration = 0.5;
+  run_other_robot("tiago_description/robots/tiago.urdf", "tiago.toml", Start::Ahead, 0.3, config,
+                  {.path_error = 3.0 * kMillimetre, .turn_error = 0.01, .arrived = 1.0});
 }
 
 }  // namespace
