@@ -48,15 +48,18 @@ bool is_usable(const BaseMotion& motion) {
   return std::isfinite(motion.twist.v) && std::isfinite(motion.twist.w) && motion.share >= 0.0 && motion.share <= 1.0;
 }
 
+// A sum shows a number that is not finite without a look at each.
 bool is_usable(const WbcProblem& problem, int joints) {
   const Kinematics* kinematics = problem.kinematics;
-  return kinematics != nullptr && problem.q != nullptr && problem.q->size() == joints && problem.q->allFinite() &&
-         (!problem.base_motion || is_usable(*problem.base_motion)) && kinematics->J.cols() == joints + 2 &&
-         kinematics->J.allFinite() && kinematics->X_WE.translation().allFinite() && problem.tangential.allFinite() &&
-         problem.correction.allFinite() && problem.free_axis.allFinite() && std::isfinite(problem.free_axis_rate) &&
-         std::isfinite(problem.base.v) && std::isfinite(problem.base.w) &&
-         (problem.rates.size() == 0 || (problem.rates.size() == joints && problem.rates.allFinite())) &&
-         problem.leaf_velocity_at_hand.allFinite() && problem.leaf_turn.allFinite() &&
+  if (kinematics == nullptr || problem.q == nullptr || problem.q->size() != joints || kinematics->J.cols() != joints + 2 ||
+      (problem.rates.size() != 0 && problem.rates.size() != joints)) {
+    return false;
+  }
+  const double sum = problem.q->sum() + kinematics->J.sum() + kinematics->X_WE.translation().sum() +
+                     problem.tangential.sum() + problem.correction.sum() + problem.free_axis.sum() + problem.free_axis_rate +
+                     problem.base.v + problem.base.w + problem.rates.sum() + problem.leaf_velocity_at_hand.sum() +
+                     problem.leaf_turn.sum();
+  return std::isfinite(sum) && (!problem.base_motion || is_usable(*problem.base_motion)) &&
          (problem.clearance == nullptr || is_usable(*problem.clearance, joints));
 }
 
@@ -134,10 +137,13 @@ struct WholeBodyController::Impl {
 void WholeBodyController::Impl::add_task(const WbcProblem& problem) {
   auto& A = qp.A;
   auto& b = qp.b;
-  A.block(0, 0, 6, n + 2) = problem.kinematics->J;
-  A.col(kSpeedFactor).head<6>() = -problem.tangential;
+  const auto set_column = [&](int i, const auto& column) {
+    A.col(i).head<3>() = column.template head<3>();
+    A.col(i).segment<3>(3) = config.length * column.template tail<3>();
+  };
+  for (int i = 0; i < n + 2; ++i) set_column(i, problem.kinematics->J.col(i));
+  set_column(kSpeedFactor, -problem.tangential);
   b.head<6>() = problem.correction;
-  A.middleRows<3>(3) *= config.length;
   b.segment<3>(3) *= config.length;
   qp.tasks = 6;
   const double axis_length = problem.free_axis.norm();
