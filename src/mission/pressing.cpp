@@ -26,6 +26,8 @@ constexpr double kPullTime = 0.15;   // mean of that pull [s]
 constexpr double kFenced = 0.3;
 // Nearer to its end than this it goes on slowly: letting go and coming back takes half a minute [rad].
 constexpr double kNearlyOpen = 0.3;
+// A hand that leans off the leaf by more has not turned with it as it should, 60 degrees; at 90 it lies on the leaf [rad].
+constexpr double kFarthestLean = 1.3;
 constexpr double kFencedTime = 0.1;  // [s]
 // Following a flap to its end with less to spare jams more often than pressing it down takes longer: half a good value.
 constexpr double kWorthFollowing = 0.05;
@@ -130,8 +132,10 @@ bool Mission::Impl::press_instead(EndDetector::Verdict verdict) noexcept {
   fenced = u.binding == BindingLimit::Clearance && u.speed_factor < kFenced ? fenced + config.period : 0.0;
   const bool stands = verdict == EndDetector::Verdict::ClearanceStop || verdict == EndDetector::Verdict::Stalled;
   const bool falls = leaf_pull < -kFalls && angle > kFallsFrom;
+  const Vector3d back = -record.kinematics.X_WE.linear().col(2);
+  const double lean = std::acos(std::clamp(back.dot(opener.scene().leaf_normal()), -1.0, 1.0));
   const bool due = half_way && (falls || angle > kHalfOpen);
-  const bool jams = fenced > kFencedTime && angle < config.goal.opening_angle - kNearlyOpen;
+  const bool jams = (fenced > kFencedTime || lean > kFarthestLean) && angle < config.goal.opening_angle - kNearlyOpen;
   if (!due && !((stands || jams) && angle > kLeastOpen)) return false;
   const std::optional<FeltMechanism> mechanism = opener.felt();
   if (!mechanism || !comes_down(handle, *mechanism)) return false;

@@ -31,7 +31,9 @@ Box believed_wall(const HandleBelief& belief) noexcept {
   Box wall;
   wall.half_extents = Vector3d(2.5, 0.5 * kWallThickness, 1.5);
   wall.pose.linear() = leaf_axes(belief.normal);
-  wall.pose.translation() = belief.position + (belief.standoff - kFront + 0.5 * kWallThickness) * wall.pose.linear().col(1);
+  // Where a flap was held its grip and axis were felt: nothing stands before the plane of its face.
+  const double front = belief.press ? 0.0 : kFront;
+  wall.pose.translation() = belief.position + (belief.standoff - front + 0.5 * kWallThickness) * wall.pose.linear().col(1);
   wall.pose.translation().z() = 1.5;
   return wall;
 }

@@ -46,6 +46,18 @@ TEST(FlapRoom, TheFloorBeneathAFlapIsWhereItsCornersStandAbove) {
   }
 }
 
+TEST(FlapRoom, TheWallBesideAFeltFlapIsThePlaneOfItsFace) {
+  HandleBelief belief = flap(0.4, 0.8);
+  const auto before_face = [&] {
+    const Box wall = believed_wall(belief);
+    const Vector3d face = belief.position - belief.standoff * belief.normal;
+    return (wall.pose.translation() - face).dot(belief.normal) + wall.half_extents.y();
+  };
+  EXPECT_NEAR(before_face(), 0.0, 1e-12);
+  belief.press.reset();
+  EXPECT_NEAR(before_face(), 0.02, 1e-12);  // as far as sight may err
+}
+
 TEST(FlapRoom, TheWayOffLeadsAwayFromTheWallToWhereTheBaseTurns) {
   for (const double turn : {0.0, 1.1}) {
     const HandleBelief belief = flap(turn, 1.5);
