@@ -28,8 +28,12 @@ constexpr double kForceFilter = 1.0;
 // The filter leaves half a newton of the sensor's noise.
 constexpr double kForesight = 0.010;   // [s]
 constexpr double kRateFilter = 0.005;  // [s]
+// Slopes of speed over force on a spring 1.8 times stiffer than believed swing from 1.9 times the gain of the loop on.
+constexpr double kSlopes = 1.5;
 // Measured speed below which nothing moves (encoder noise) [m/s].
 constexpr double kStandingSpeed = 0.004;
+
+double pull_range(double limit) { return std::min(kPullRange, kCapShare * limit); }
 
 bool is_finite(const SpeedInput& input) {
   return std::isfinite(input.confidence) && std::isfinite(input.base_lag) && std::isfinite(input.pull_force) &&
@@ -41,12 +45,13 @@ bool is_finite(const SpeedInput& input) {
 
 double waiting_share(double lag) noexcept { return std::clamp((kLagStop - lag) / kLagRange, kLagLeast, 1.0); }
 
-double wanted_speed(const SpeedInput& input, const ForceLawConfig& config) noexcept {
+double wanted_speed(const SpeedInput& input, const ForceLawConfig& config, double least_range) noexcept {
   const double confidence = std::clamp(input.confidence, 0.0, 1.0);
   double speed = config.speed_start + (config.speed - config.speed_start) * confidence * waiting_share(input.base_lag);
   speed = std::min(speed, std::max(input.speed_cap, 0.0));
   const double limit = std::min(config.force_limit, std::max(input.force_cap, 1.0));
-  speed *= std::clamp((limit - std::abs(input.pull_force)) / std::min(kPullRange, kCapShare * limit), 0.0, 1.0);
+  const double range = std::max(pull_range(limit), least_range);
+  speed *= std::clamp((limit - std::abs(input.pull_force)) / range, 0.0, 1.0);
   speed *= std::clamp((config.force_limit - input.normal_force) / kNormalRange, kNormalLeast, 1.0);
   return speed;
 }
@@ -56,7 +61,10 @@ SpeedLaw::SpeedLaw(const ForceLawConfig& config, double period, double dead_time
   if (!(period >= 1e-6 && period <= 0.1)) {
     throw ConfigError("interaction.period = " + std::to_string(period) + " s: must be in [1e-6, 0.1]");
   }
-  config_.give_gain = loop_gain(config.give_gain, config.stability_number, config.total_stiffness, period + dead_time);
+  const double delay = period + dead_time;
+  config_.give_gain = loop_gain(config.give_gain, config.stability_number, config.total_stiffness, delay);
+  // By how much the start speed falls with the force is a gain of the loop as well.
+  least_range_ = config.speed_start * config.total_stiffness * delay / config.stability_number;
 }
 
 void SpeedLaw::reset() noexcept {
@@ -85,11 +93,15 @@ double SpeedLaw::step(const SpeedInput& input) noexcept {
     running_force_ += (moved_ ? std::min(1.0, period_ / kForceFilter) : 1.0) * (force - running_force_);
     moved_ = true;
   }
-  speed_ +=
-      std::clamp(wanted_speed(input, config_) - speed_, -config_.deceleration * period_, config_.acceleration * period_);
+  speed_ += std::clamp(wanted_speed(input, config_, least_range_) - speed_, -config_.deceleration * period_,
+                       config_.acceleration * period_);
   // Tangential give: an end stop or a seal is met with a backing hand before the slower speed law answers.
   const double limit = std::min(config_.force_limit, std::max(input.force_cap, 1.0));
-  double give_from = limit - std::min(config_.give_reserve, 0.5 * kCapShare * limit);
+  double reserve = std::min(config_.give_reserve, 0.5 * kCapShare * limit);
+  // Before it moves the hand stands on a spring, and the slope of the give adds to that of the speed.
+  const double slopes = config_.speed_start / std::max(pull_range(limit), least_range_) + config_.give_gain;
+  if (!moved_ && slopes > kSlopes * config_.speed_start / least_range_) reserve = 0.0;
+  double give_from = limit - reserve;
   if (moved_) {
     give_from = std::min(give_from, running_force_ + config_.give_margin);
   }

@@ -60,6 +60,7 @@ EndDetector::Verdict EndDetector::step(const EndInput& in, const MechanismEstima
     return Verdict::Blocked;
   if (stuck_ > config_.stalled_time) {
     if (held_ > 0.5 * config_.stalled_time) return Verdict::ClearanceStop;
+    if (arc < config_.blocked_arc) return Verdict::Blocked;
     return at_limit ? Verdict::TooHeavy : Verdict::Stalled;
   }
   return Verdict::Going;

@@ -269,6 +269,31 @@ TEST(SpeedLaw, AFastRiseIsMetBeforeItIsHigh) {
   EXPECT_LT(speed, config.speed - 5e-3);
 }
 
+// A handle that does not move yet, held by a grasp 1.8 times stiffer than believed: f = K x, ẋ = v(f a dead time ago).
+TEST(SpeedLaw, ALatePullOnAHandleThatHoldsComesToRest) {
+  const ForceLawConfig config;
+  for (const double period : {0.002, 0.008, 0.02}) {
+    for (const double dead_time : {0.0, 0.03, 0.1}) {
+      SpeedLaw law(config, period, dead_time);
+      std::deque<double> line(1 + static_cast<size_t>(std::lround(dead_time / period)), 0.0);
+      SpeedInput input{.force_cap = 16.0};
+      double force = 0.0, least = 1e3, most = 0.0;
+      for (double time = 0.0; time < 20.0; time += period) {
+        line.push_back(force);
+        input.pull_force = line.front();
+        line.pop_front();
+        force += 1.8 * config.total_stiffness * period * law.step(input);
+        if (time < 16.0) continue;
+        least = std::min(least, force);
+        most = std::max(most, force);
+      }
+      EXPECT_LT(most - least, 1.0) << period << ' ' << dead_time;
+      EXPECT_LT(most, input.force_cap + 1e-6) << period << ' ' << dead_time;
+      EXPECT_GT(least, 0.75 * input.force_cap) << period << ' ' << dead_time;
+    }
+  }
+}
+
 TEST(SpeedLaw, ABlowHardlyRaisesTheRunningForce) {
   const ForceLawConfig config;
   SpeedLaw law(config, kPeriod, 0.0);

@@ -116,6 +116,18 @@ TEST(EndDetector, AStandstillWithoutForceIsStalledOrHeldByAClearance) {
   EXPECT_EQ(hold(ends, held, travelled(0.2), 20.0).first, Verdict::ClearanceStop);
 }
 
+// A grasp that swings on its spring is slow in the mean only: it has not moved the handle either.
+TEST(EndDetector, AStandstillBeforeItHasMovedIsBlocked) {
+  EndDetector ends(EndConfig{}, GoalConfig{}, 45.0);
+  EndInput in{.pull_force = 10.0, .force_cap = 16.0};
+  EndDetector::Verdict verdict = Verdict::Going;
+  for (double time = 0.0; time < 30.0 && verdict == Verdict::Going; time += in.dt) {
+    in.speed = std::fmod(time, 0.4) < 0.2 ? 0.015 : -0.015;
+    verdict = ends.step(in, travelled(0.0));
+  }
+  EXPECT_EQ(verdict, Verdict::Blocked);
+}
+
 TEST(EndDetector, TheGoalNeedsAKnownTypeAndWaitsForDoubt) {
   EndDetector ends(EndConfig{}, GoalConfig{.opening_angle = 1.0}, 45.0);
   MechanismEstimate estimate = travelled(0.8);

@@ -84,7 +84,8 @@ struct SpeedInput {
 
 /// Steady tangential speed before ramps and give: start speed to cruise by confidence, waiting for a lagging base,
 /// lowered as the forces near the limit. (docs/equations.md#speed-law) [m/s]
-[[nodiscard]] double wanted_speed(const SpeedInput& input, const ForceLawConfig& config) noexcept;
+/// @param least_range  Of pull force over which the speed falls at least: bounds the gain of a late loop [N]
+[[nodiscard]] double wanted_speed(const SpeedInput& input, const ForceLawConfig& config, double least_range = 0.0) noexcept;
 
 /// Tangential speed: slow start, confidence, waiting for the base, lowered when force rises, tangential give.
 /// (docs/equations.md#speed-law)
@@ -108,7 +109,8 @@ class SpeedLaw {
   double filtered_speed_ = 0.0;
   double travel_ = 0.0;
   double last_force_ = 0.0;
-  double force_rate_ = 0.0;  // low-passed [N/s]
+  double force_rate_ = 0.0;   // low-passed [N/s]
+  double least_range_ = 0.0;  // [N]
   bool moved_ = false;
 };
 
