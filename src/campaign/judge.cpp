@@ -190,7 +190,8 @@ struct Judge::Impl {
     if (tick.record.phase == Phase::Open) observe_open(tick);
     if (tick.record.phase == Phase::Probe) observe_probe(tick.truth);
     // A robot that looks again before it goes on may find open what it had let go half open.
-    if (open_ticks == 0 || tick.record.phase == Phase::Choose) last_opening = tick.truth.opening;
+    const bool looks = tick.record.phase == Phase::Choose || tick.record.phase == Phase::Reach;
+    if (open_ticks == 0 || looks) last_opening = tick.truth.opening;
     if (open_ticks > 0 && config.kind == JointKind::Hinge && tick.record.estimate.type == MechanismType::Hinge)
       result.angle_error_final = std::abs(tick.record.estimate.angle - tick.truth.opening);
     limits.observe(tick);

@@ -87,7 +87,7 @@ void Mission::Impl::choose(const RobotState& state) {
 
 // The wall, or what stands beside it, that the base keeps out of on its way.
 KeepOut Mission::Impl::kept_out() const noexcept {
-  if (handle.press) return beside_flap(handle, handle.press->opened);
+  if (handle.press) return beside_flap(handle, *handle.press, handle.press->opened);
   KeepOut wall;
   wall.point = (handle.position + (reveal_depth(handle) - handle.standoff) * handle.normal).head<2>();
   wall.normal = handle.normal.head<2>().normalized();
@@ -229,7 +229,8 @@ void Mission::Impl::open(const RobotState& state) noexcept {
   }
   const EndDetector::Verdict verdict = handle.press ? opener.step_pressing(tick(state)) : opener.step(tick(state));
   command_solution();
-  if (found_to_open_away(verdict) || found_to_pivot(verdict) || press_instead(verdict) || better_held_otherwise(verdict)) return;
+  if (found_to_open_away(verdict) || found_to_pivot(verdict) || press_instead(verdict) || better_held_otherwise(verdict))
+    return;
   switch (verdict) {
     case EndDetector::Verdict::Going: break;
     case EndDetector::Verdict::Goal: process(Event::Ended, EndReason::GoalReached); break;
@@ -335,7 +336,8 @@ void Mission::Impl::regrasp(const RobotState& state) {
     // A leaf that closes by itself is led back to its frame, or it would follow the hand.
     if (flap && given_until == 0.0) start_run_up();
     cleared = cleared || let_go(flap ? kRelaxTime : kLeadBackTime);
-    if (!cleared || (flap && (!off_flap(beside_flap(half_open(), kAllTheWay), state) || !flap_rests(state)))) return;
+    if (!cleared || (flap && (!off_flap(beside_flap(closed_handle, *flap, kAllTheWay), state) || !flap_rests(state))))
+      return;
     if (!start_folding(state)) process(Event::GaveUp, EndReason::Unreachable);
     return;
   }

@@ -7,10 +7,10 @@
 
 namespace ajar {
 
-KeepOut beside_flap(const HandleBelief& belief, double angle) noexcept {
-  const Vector3d axis = belief.press->way.curvature.normalized();
+KeepOut beside_flap(const HandleBelief& belief, const FlapPress& press, double angle) noexcept {
+  const Vector3d axis = press.way.curvature.normalized();
   const Vector3d out = axis.cross(Vector3d::UnitZ());
-  const Box leaf = leaf_pressed(belief, *belief.press, angle);
+  const Box leaf = leaf_pressed(belief, press, angle);
   const auto half = [&](const Vector3d& along) {
     return (leaf.pose.linear().transpose() * along).cwiseAbs().dot(leaf.half_extents);
   };

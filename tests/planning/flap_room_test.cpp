@@ -31,7 +31,7 @@ TEST(FlapRoom, TheFloorBeneathAFlapIsWhereItsCornersStandAbove) {
   for (const double turn : {0.0, 0.7, -2.5}) {
     for (const double opened : {0.1, 0.8, 1.5}) {
       const HandleBelief belief = flap(turn, opened);
-      const FloorBox floor = *beside_flap(belief, opened).box;
+      const FloorBox floor = *beside_flap(belief, *belief.press, opened).box;
       const Box leaf = leaf_pressed(belief, *belief.press, opened);
       Vector2d most = Vector2d::Zero();
       for (int corner = 0; corner < 8; ++corner) {
@@ -61,7 +61,7 @@ TEST(FlapRoom, TheWallBesideAFeltFlapIsThePlaneOfItsFace) {
 TEST(FlapRoom, TheWayOffLeadsAwayFromTheWallToWhereTheBaseTurns) {
   for (const double turn : {0.0, 1.1}) {
     const HandleBelief belief = flap(turn, 1.5);
-    const KeepOut beside = beside_flap(belief, 0.5 * kPi);
+    const KeepOut beside = beside_flap(belief, *belief.press, 0.5 * kPi);
     for (const double heading : {0.0, 0.6, 1.5, 2.2, 3.0, -1.0, -2.6}) {
       const Vector2d p = belief.position.head<2>() + 0.95 * beside.normal;
       const BasePose base{p.x(), p.y(), heading};

@@ -6,8 +6,8 @@
 namespace ajar {
 
 /// What a base keeps out of beside a flap that stands open by `angle` [rad]: the wall and what it covers of the floor.
-/// @param belief  With `press`
-[[nodiscard]] KeepOut beside_flap(const HandleBelief& belief, double angle) noexcept;
+/// @param belief  Position and standoff are those of the closed handle
+[[nodiscard]] KeepOut beside_flap(const HandleBelief& belief, const FlapPress& press, double angle) noexcept;
 
 /// How far a base drives straight on, forward positive, until it can turn on the spot beside it: the shorter of both senses,
 /// never towards the wall. (docs/equations.md#press)
