@@ -75,7 +75,7 @@ TEST(FlapRoom, TheWallBesideAFeltFlapIsThePlaneOfItsFace) {
   EXPECT_NEAR(before_face(), 0.02, 1e-12);  // as far as sight may err
 }
 
-// A base 35 cm before the flap's edge.
+// A base whose axle stands half a metre before the edge of the flap: too near to turn.
 void leads_away(const Flap& flap, double heading) {
   const KeepOut beside = beside_flap(flap.belief, flap.press, 0.5 * kPi);
   const Vector2d p = flap.belief.position.head<2>() + 0.95 * beside.normal;
