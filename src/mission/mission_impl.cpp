@@ -74,6 +74,7 @@ Mission::Impl::Impl(const RobotModel& robot, const MissionConfig& settings, std:
       config(with_one_force_limit(settings)),
       guess(direction_guess),
       seed(run_seed),
+      footprint(base_footprint(model)),
       navigator(settings.navigation, settings.period),
       planner(model, settings.planner, settings.wbc, settings.base_law, settings.clearance),
       controller(model, settings.wbc, settings.period),

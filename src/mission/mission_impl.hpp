@@ -7,6 +7,7 @@
 #include "ajar/mission/opener.hpp"
 #include "ajar/mission/phase_table.hpp"
 #include "ajar/mission/prober.hpp"
+#include "ajar/model/footprint.hpp"
 #include "ajar/planning/flap_room.hpp"
 #include "ajar/planning/passage.hpp"
 
@@ -94,6 +95,7 @@ struct Mission::Impl {
   [[nodiscard]] bool runs_up() const noexcept;
   bool off_flap(const KeepOut& beside, const RobotState& state) noexcept;
   [[nodiscard]] KeepOut kept_out() const noexcept;
+  [[nodiscard]] KeepOut for_this_base(KeepOut keep_out) const noexcept;
   [[nodiscard]] HandleBelief half_open() const noexcept;
   void command_zero() noexcept;
   void command_solution() noexcept;
@@ -106,6 +108,7 @@ struct Mission::Impl {
   std::optional<Vector3d> guess;
   std::uint64_t seed;
 
+  Footprint footprint;
   Navigator navigator;
   GraspPlanner planner;
   WholeBodyController controller;

@@ -85,10 +85,17 @@ void Mission::Impl::choose(const RobotState& state) {
   process(Event::Chosen);
 }
 
+KeepOut Mission::Impl::for_this_base(KeepOut keep_out) const noexcept {
+  keep_out.front = footprint.front;
+  keep_out.rear = footprint.rear;
+  keep_out.half_width = footprint.half_width;
+  return keep_out;
+}
+
 // The wall, or what stands beside it, that the base keeps out of on its way.
 KeepOut Mission::Impl::kept_out() const noexcept {
-  if (handle.press) return beside_flap(handle, *handle.press, handle.press->opened);
-  KeepOut wall;
+  if (handle.press) return for_this_base(beside_flap(handle, *handle.press, handle.press->opened));
+  KeepOut wall = for_this_base({});
   wall.point = (handle.position + (reveal_depth(handle) - handle.standoff) * handle.normal).head<2>();
   wall.normal = handle.normal.head<2>().normalized();
   if (handle.passage) {
@@ -336,7 +343,8 @@ void Mission::Impl::regrasp(const RobotState& state) {
     // A leaf that closes by itself is led back to its frame, or it would follow the hand.
     if (flap && given_until == 0.0) start_run_up();
     cleared = cleared || let_go(flap ? kRelaxTime : kLeadBackTime);
-    if (!cleared || (flap && (!off_flap(beside_flap(closed_handle, *flap, kAllTheWay), state) || !flap_rests(state))))
+    if (!cleared ||
+        (flap && (!off_flap(for_this_base(beside_flap(closed_handle, *flap, kAllTheWay)), state) || !flap_rests(state))))
       return;
     if (!start_folding(state)) process(Event::GaveUp, EndReason::Unreachable);
     return;

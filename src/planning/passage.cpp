@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include "ajar/model/footprint.hpp"
+
 namespace ajar {
 
 namespace {
@@ -142,18 +144,7 @@ double passage_width(const Passage& passage) {
   return flat(passage.hinge - passage.strike).norm() - axis_depth(passage.overhang > 0.0) - kOpenGap;
 }
 
-double base_width(const RobotModel& model) {
-  double half = 0.0;
-  for (const CollisionShape& shape : model.shapes()) {
-    if (shape.joint >= 0) continue;
-    const Matrix3d R = shape.pose_in_joint.linear();
-    const bool box = shape.kind == CollisionShape::Kind::Box;
-    const double reach =
-        box ? (R.cwiseAbs() * shape.half_extents).y() : std::abs(R(1, 2)) * shape.half_length + shape.radius;
-    half = std::max(half, std::abs(shape.pose_in_joint.translation().y()) + reach);
-  }
-  return 2.0 * half;
-}
+double base_width(const RobotModel& model) { return 2.0 * base_footprint(model).half_width; }
 
 std::string passage_room(const Passage& passage, const RobotModel& model) {
   const double base = base_width(model);

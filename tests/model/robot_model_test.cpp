@@ -12,6 +12,7 @@
 
 #include "ajar/core/so3.hpp"
 #include "ajar/model/clearance.hpp"
+#include "ajar/model/footprint.hpp"
 #include "allocation_guard.hpp"
 #include "model_fixtures.hpp"
 
@@ -233,6 +234,14 @@ TEST(RobotModel, ComputesWithoutAllocation) {  // with the clearance, deep penet
   EXPECT_EQ(test::allocations, before) << solved;
   EXPECT_LT(least, -0.2) << "some capsules were deep inside of the box";
   EXPECT_GT(sigma, 0.0);
+}
+
+// Its hull is 0.898 x 0.584 m with its middle 3.8 cm before the axle; all else that it carries stands above that.
+TEST(BaseFootprint, OfHeronIsItsHull) {
+  const Footprint footprint = base_footprint(load_robot("heron"));
+  EXPECT_NEAR(footprint.front, 0.038 + 0.449, 1e-12);
+  EXPECT_NEAR(footprint.rear, 0.449 - 0.038, 1e-12);
+  EXPECT_NEAR(footprint.half_width, 0.292, 1e-12);
 }
 
 }  // namespace
