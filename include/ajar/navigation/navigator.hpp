@@ -54,7 +54,7 @@ struct KeepOut {
   Vector2d point = Vector2d::Zero();     ///< On the border, odometry frame [m]
   Vector2d normal = -Vector2d::UnitY();  ///< From the border into free space, unit [-]
   double margin = 0.10;                  ///< Distance that the footprint keeps if start and target allow it [m]
-  double front = 0.487;                  ///< Footprint ahead of the axle; as set here Heron's, of any robot `base_footprint` [m]
+  double front = 0.487;                  ///< Footprint ahead of the axle; Heron's, see `base_footprint` [m]
   double rear = 0.411;                   ///< Behind the axle [m]
   double half_width = 0.292;             ///< To each side [m]
   std::optional<FloorBox> box;           ///< Kept out of as well
